@@ -1,0 +1,49 @@
+//! The contract that every compression method keeps. Size, files, error and charts follow from it.
+
+use crate::error::Result;
+use crate::flops::Flops;
+use crate::matrix::{Shape, TransferMatrix};
+use crate::params::Params;
+use crate::progress::Progress;
+use crate::sections::{Sink, Source};
+use ndarray::{ArrayView2, ArrayViewMut2};
+
+/// Anything with checked parameters: constructed means valid.
+pub trait Configure: Sized + Send + Sync + 'static {
+    /// Its parameters.
+    type Params: Params;
+    /// The only door: refuses what is out of range.
+    fn new(params: Self::Params) -> Result<Self>;
+    /// What it was made with.
+    fn params(&self) -> &Self::Params;
+}
+
+/// A compression method.
+pub trait Codec: Configure {
+    /// What it makes of a matrix.
+    type Encoded: Encoded + Restore + 'static;
+    /// Compresses `matrix`. The same input and parameters give the same bytes on any number of threads.
+    fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Self::Encoded>;
+}
+
+/// A compressed matrix: relights without being decompressed.
+pub trait Encoded: Send + Sync {
+    /// Samples, responses and lights of the matrix that it stands for.
+    fn shape(&self) -> Shape;
+    /// Relights: `out` (rows x channels) = T̃ · `lights` (lights x channels), on rayon's current pool. Sizes are checked.
+    fn apply_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()>;
+    /// Reconstructs one row, zeros included; `out.len()` = lights.
+    fn row_into(&self, row: usize, out: &mut [f32]);
+    /// Operations of relighting with one light (one channel, `light.len()` = lights), counted by the kernel as it runs.
+    fn flops(&self, light: &[f32]) -> Flops;
+    /// Writes everything that [`Restore::read`] needs besides the shape, section by section.
+    fn write(&self, sink: &mut Sink);
+}
+
+/// The way back from sections.
+pub trait Restore: Sized {
+    /// Names the layout in a file; changes when the layout does.
+    const TAG: &'static str;
+    /// Reads what [`Encoded::write`] wrote. Bytes are untrusted: whatever is accepted can be used without a panic.
+    fn read(shape: Shape, source: &mut Source) -> Result<Self>;
+}

@@ -1,0 +1,1 @@
+//! Compact sparse rows: the narrowest exact widths.

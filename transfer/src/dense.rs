@@ -1,0 +1,1 @@
+//! Every element as f32.

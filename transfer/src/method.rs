@@ -1,0 +1,349 @@
+//! A method is a light transform and a codec; the registry finds both by the names in a label.
+
+use crate::basis::LightBasis;
+use crate::codec::{Codec, Encoded, Restore};
+use crate::error::{Error, Result};
+use crate::flops::Flops;
+use crate::label::{Label, Stage};
+use crate::matrix::{Layout, Shape, TransferMatrix, check_apply};
+use crate::params::{Field, Params};
+use crate::progress::Progress;
+use crate::sections::{Section, Sink, Source};
+use crate::transform::{LightTransform, Transform};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2};
+use rayon::prelude::*;
+
+/// A transform and a codec with their parameters, ready to encode.
+pub struct Method {
+    label: Label,
+    transform: Box<dyn AnyTransform>,
+    codec: Box<dyn AnyCodec>,
+}
+
+/// A matrix compressed by a method: everything that a `.prt` file holds.
+pub struct Compressed {
+    label: Label,
+    tag: &'static str,
+    basis: LightBasis,
+    layout: Layout,
+    shape: Shape,
+    transform: Box<dyn LightTransform>,
+    encoded: Box<dyn Encoded>,
+}
+
+/// What a file says of a compressed matrix before its sections.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// The method.
+    pub label: Label,
+    /// The codec's layout in the file, [`Restore::TAG`].
+    pub tag: String,
+    /// Samples, responses, lights of T.
+    pub shape: Shape,
+    /// What T's columns stand for.
+    pub basis: LightBasis,
+    /// How T came.
+    pub layout: Layout,
+}
+
+/// Transforms and codecs by name. The program fills it in one place; a user of a single codec needs none.
+#[derive(Default)]
+pub struct Registry {
+    transforms: Vec<TransformEntry>,
+    codecs: Vec<CodecEntry>,
+}
+
+/// A method's stage as `prt methods` shows it.
+#[derive(Clone, Debug)]
+pub struct About {
+    /// Its name in a label.
+    pub name: &'static str,
+    /// A sentence.
+    pub about: &'static str,
+    /// Its parameters.
+    pub fields: Vec<Field>,
+}
+
+struct TransformEntry {
+    about: fn() -> About,
+    build: fn(&Stage) -> Result<Box<dyn AnyTransform>>,
+}
+
+struct CodecEntry {
+    about: fn() -> About,
+    tag: &'static str,
+    build: fn(&Stage) -> Result<Box<dyn AnyCodec>>,
+    restore: fn(Shape, &mut Source) -> Result<Box<dyn Encoded>>,
+}
+
+/// [`Codec`] without its associated types.
+trait AnyCodec: Send + Sync {
+    fn stage(&self) -> Stage;
+    fn tag(&self) -> &'static str;
+    fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Box<dyn Encoded>>;
+}
+
+/// [`Transform`] without its associated types.
+trait AnyTransform: Send + Sync {
+    fn stage(&self) -> Stage;
+    fn bind(&self, basis: &LightBasis) -> Result<Box<dyn LightTransform>>;
+    fn restore(&self, basis: &LightBasis, source: &mut Source) -> Result<Box<dyn LightTransform>>;
+}
+
+impl<C: Codec> AnyCodec for C {
+    fn stage(&self) -> Stage {
+        self.params().to_stage()
+    }
+    fn tag(&self) -> &'static str {
+        C::Encoded::TAG
+    }
+    fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Box<dyn Encoded>> {
+        Ok(Box::new(Codec::encode(self, matrix, progress)?))
+    }
+}
+
+impl<T: Transform> AnyTransform for T {
+    fn stage(&self) -> Stage {
+        self.params().to_stage()
+    }
+    fn bind(&self, basis: &LightBasis) -> Result<Box<dyn LightTransform>> {
+        Ok(Box::new(Transform::bind(self, basis)?))
+    }
+    fn restore(&self, basis: &LightBasis, source: &mut Source) -> Result<Box<dyn LightTransform>> {
+        Ok(Box::new(Transform::restore(self, basis, source)?))
+    }
+}
+
+fn about<P: Params>() -> About {
+    About { name: P::NAME, about: P::ABOUT.trim(), fields: P::fields() }
+}
+
+impl Registry {
+    /// Knows nothing yet.
+    pub fn new() -> Registry {
+        Registry::default()
+    }
+    /// Adds a light transform.
+    pub fn transform<T: Transform>(mut self) -> Registry {
+        self.transforms.push(TransformEntry {
+            about: about::<T::Params>,
+            build: |stage| Ok(Box::new(T::new(T::Params::from_stage(stage)?)?)),
+        });
+        self
+    }
+    /// Adds a codec.
+    pub fn codec<C: Codec>(mut self) -> Registry {
+        self.codecs.push(CodecEntry {
+            about: about::<C::Params>,
+            tag: C::Encoded::TAG,
+            build: |stage| Ok(Box::new(C::new(C::Params::from_stage(stage)?)?)),
+            restore: |shape, source| Ok(Box::new(C::Encoded::read(shape, source)?)),
+        });
+        self
+    }
+    /// Every transform, in the order of registration.
+    pub fn transforms(&self) -> Vec<About> {
+        self.transforms.iter().map(|e| (e.about)()).collect()
+    }
+    /// Every codec, in the order of registration.
+    pub fn codecs(&self) -> Vec<About> {
+        self.codecs.iter().map(|e| (e.about)()).collect()
+    }
+    /// The method that a label describes.
+    pub fn method(&self, label: &Label) -> Result<Method> {
+        let transform = self.transform_named(&label.transform)?;
+        let find = |e: &&CodecEntry| (e.about)().name == label.codec.name;
+        let codec = self.codecs.iter().find(find).ok_or_else(|| unknown("codec", &label.codec.name, &self.codecs()))?;
+        Ok(Method::from_parts(transform, (codec.build)(&label.codec)?))
+    }
+    /// A compressed matrix from its header and sections.
+    pub fn restore(&self, header: &Header, sections: Vec<Section>) -> Result<Compressed> {
+        Error::expect_size("lights of the basis", header.shape.lights, header.basis.lights())?;
+        let mut source = Source::new(sections)?;
+        let transform = self.transform_named(&header.label.transform)?.restore(&header.basis, &mut source)?;
+        let known = || self.codecs.iter().map(|e| e.tag).collect::<Vec<_>>().join(", ");
+        let unknown = || Error::Unknown { what: "codec layout", name: header.tag.clone(), known: known() };
+        let entry = self.codecs.iter().find(|e| e.tag == header.tag).ok_or_else(unknown)?;
+        let shape = Shape::new(header.shape.samples, header.shape.responses, transform.output().lights())?;
+        let encoded = (entry.restore)(shape, &mut source)?;
+        source.finish()?;
+        Ok(Compressed {
+            label: header.label.clone(),
+            tag: entry.tag,
+            basis: header.basis.clone(),
+            layout: header.layout,
+            shape: header.shape,
+            transform,
+            encoded,
+        })
+    }
+
+    fn transform_named(&self, stage: &Stage) -> Result<Box<dyn AnyTransform>> {
+        let find = |e: &&TransformEntry| (e.about)().name == stage.name;
+        let entry = self
+            .transforms
+            .iter()
+            .find(find)
+            .ok_or_else(|| unknown("light transform", &stage.name, &self.transforms()))?;
+        (entry.build)(stage)
+    }
+}
+
+fn unknown(what: &'static str, name: &str, known: &[About]) -> Error {
+    Error::Unknown { what, name: name.into(), known: known.iter().map(|a| a.name).collect::<Vec<_>>().join(", ") }
+}
+
+impl Method {
+    /// A transform and a codec of your own choice.
+    pub fn new<T: Transform, C: Codec>(transform: T, codec: C) -> Method {
+        Method::from_parts(Box::new(transform), Box::new(codec))
+    }
+    fn from_parts(transform: Box<dyn AnyTransform>, codec: Box<dyn AnyCodec>) -> Method {
+        Method { label: Label { transform: transform.stage(), codec: codec.stage() }, transform, codec }
+    }
+    /// The shortest label that means this method.
+    pub fn label(&self) -> &Label {
+        &self.label
+    }
+    /// Compresses `matrix`: transforms its rows, then hands them to the codec.
+    pub fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Compressed> {
+        let transform = self.transform.bind(matrix.basis())?;
+        let encoded = if transform.is_identity() {
+            self.codec.encode(matrix, progress)?
+        } else {
+            self.codec.encode(&transform_rows(matrix, &*transform, progress)?, progress)?
+        };
+        Ok(Compressed {
+            label: self.label.clone(),
+            tag: self.codec.tag(),
+            basis: matrix.basis().clone(),
+            layout: matrix.layout(),
+            shape: matrix.shape(),
+            transform,
+            encoded,
+        })
+    }
+}
+
+/// C of T ≈ C·B: sparse where T is.
+pub fn transform_rows(
+    matrix: &TransferMatrix,
+    transform: &dyn LightTransform,
+    progress: &dyn Progress,
+) -> Result<TransferMatrix> {
+    let (rows, basis) = (matrix.rows(), transform.output());
+    let (from, to, responses) = (matrix.lights(), basis.lights(), matrix.shape().responses);
+    progress.start("transform", rows as u64);
+    let row_into = |row: usize, buffer: &mut Vec<f32>, out: &mut [f32]| {
+        buffer.resize(from, 0.0);
+        matrix.gather(row, buffer);
+        transform.row_into(buffer, out);
+        progress.advance(1)
+    };
+    if !matrix.is_sparse() {
+        let mut values = vec![0f32; rows * to];
+        values
+            .par_chunks_mut(to.max(1))
+            .enumerate()
+            .try_for_each_init(Vec::new, |buffer, (row, out)| row_into(row, buffer, out))?;
+        return TransferMatrix::from_dense(values, rows, responses, basis);
+    }
+    // Blocks keep the sparse rows in order while threads fill them.
+    const BLOCK: usize = 256;
+    let blocks: Vec<(Vec<usize>, Vec<u32>, Vec<f32>)> = (0..rows.div_ceil(BLOCK))
+        .into_par_iter()
+        .map_init(
+            || (Vec::new(), vec![0f32; to]),
+            |(buffer, out), block| {
+                let (mut lengths, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
+                for row in block * BLOCK..rows.min((block + 1) * BLOCK) {
+                    row_into(row, buffer, out)?;
+                    let before = columns.len();
+                    for (col, value) in out.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+                        columns.push(col as u32);
+                        values.push(*value);
+                    }
+                    lengths.push(columns.len() - before);
+                }
+                Ok((lengths, columns, values))
+            },
+        )
+        .collect::<Result<_>>()?;
+    let mut offsets = vec![0];
+    let (mut columns, mut values) = (Vec::new(), Vec::new());
+    for (lengths, block_columns, block_values) in blocks {
+        for length in lengths {
+            offsets.push(offsets[offsets.len() - 1] + length);
+        }
+        columns.extend(block_columns);
+        values.extend(block_values);
+    }
+    TransferMatrix::from_csr(offsets, columns, values, responses, basis)
+}
+
+impl Compressed {
+    /// The method's label.
+    pub fn label(&self) -> &Label {
+        &self.label
+    }
+    /// Shape of T.
+    pub fn shape(&self) -> Shape {
+        self.shape
+    }
+    /// What T's columns stand for.
+    pub fn basis(&self) -> &LightBasis {
+        &self.basis
+    }
+    /// How T came.
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+    /// Everything that a file says before the sections.
+    pub fn header(&self) -> Header {
+        Header {
+            label: self.label.clone(),
+            tag: self.tag.into(),
+            shape: self.shape,
+            basis: self.basis.clone(),
+            layout: self.layout,
+        }
+    }
+    /// What the method writes, section by section: the source of all sizes.
+    pub fn sections(&self) -> Sink {
+        let mut sink = Sink::new();
+        self.transform.write(&mut sink);
+        self.encoded.write(&mut sink);
+        sink
+    }
+    /// Relights: `out` (rows x channels) = T̃ · `lights` (lights x channels).
+    pub fn apply_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {
+        check_apply(self.shape, &lights, &out)?;
+        if self.transform.is_identity() {
+            return self.encoded.apply_into(lights, out);
+        }
+        let mut transformed = Array2::zeros((self.encoded.shape().lights, lights.ncols()));
+        self.transform.light_into(lights, transformed.view_mut());
+        self.encoded.apply_into(transformed.view(), out)
+    }
+    /// Reconstructs a row of T̃; `out.len()` = lights.
+    pub fn row_into(&self, row: usize, out: &mut [f32]) {
+        if self.transform.is_identity() {
+            return self.encoded.row_into(row, out);
+        }
+        let mut coefficients = vec![0f32; self.encoded.shape().lights];
+        self.encoded.row_into(row, &mut coefficients);
+        self.transform.restore_row_into(&coefficients, out);
+    }
+    /// Operations of relighting with one channel: the transform of the light and the product, counted as they run.
+    pub fn flops(&self, light: &[f32]) -> Result<Flops> {
+        Error::expect_size("light coefficients", self.shape.lights, light.len())?;
+        if self.transform.is_identity() {
+            return Ok(self.encoded.flops(light));
+        }
+        let mut transformed = Array2::zeros((self.encoded.shape().lights, 1));
+        let column = ArrayView2::from_shape((light.len(), 1), light).expect("a slice is a column");
+        self.transform.light_into(column, transformed.view_mut());
+        let transformed = transformed.into_raw_vec_and_offset().0;
+        Ok(self.transform.flops(light) + self.encoded.flops(&transformed))
+    }
+}

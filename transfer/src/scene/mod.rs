@@ -1,0 +1,1 @@
+//! Scenes, visibility and signals.
