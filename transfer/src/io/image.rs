@@ -1,0 +1,73 @@
+//! Images of linear radiance, `.exr` and `.hdr`.
+//!
+//! Values come as they are in the file: negative ones, infinities and NaN are the caller's to judge.
+
+use super::{atomic, broken, bytes_of, extension, openexr, radiance, unknown_extension};
+use crate::error::{Error, Result};
+use crate::image::Image;
+use std::path::Path;
+
+/// The number of a sample's bits in a written `.exr`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 16 bits: 11 significant ones, at most 65504; larger values become infinite.
+    Half,
+    /// 32 bits.
+    Single,
+}
+
+/// Reads `.exr` or `.hdr`.
+pub fn read(path: impl AsRef<Path>) -> Result<Image> {
+    let path = path.as_ref();
+    let parse = match extension(path).as_str() {
+        "exr" => read_exr,
+        "hdr" => read_hdr,
+        _ => return Err(unknown_extension(path, "image file extension", ".exr, .hdr")),
+    };
+    parse(&bytes_of(path)?).map_err(|e| e.in_file(path))
+}
+
+/// Reads the first layer of an OpenEXR file that has R, G and B, or Y: any compression, scan lines or tiles, 16- and 32-bit
+/// floats and 32-bit integers. Alpha and other channels are ignored. The image is the display window: pixels outside the data
+/// window are 0. Deep data and sub-sampled colour are refused.
+pub fn read_exr(bytes: &[u8]) -> Result<Image> {
+    openexr::read(bytes)
+}
+
+/// Reads a Radiance picture (`32-bit_rle_rgbe`): run-length encoded, old or new, or flat, in any of the eight orientations.
+///
+/// A pixel is mantissa · 2^(exponent - 136), the reading that image libraries share (Radiance's own adds half a step to the
+/// mantissa), divided by the header's EXPOSURE and COLORCORR as the format demands, so that values are radiance again.
+/// CIE XYZ pictures are refused.
+pub fn read_hdr(bytes: &[u8]) -> Result<Image> {
+    radiance::read(bytes)
+}
+
+/// Writes RGB scan lines, deflated (ZIP, 16 lines).
+pub fn write_exr(path: impl AsRef<Path>, image: &Image, precision: Precision) -> Result<()> {
+    let path = path.as_ref();
+    let bytes = exr_bytes(image, precision).map_err(|e| e.in_file(path))?;
+    atomic::write(path, |file| file.write_all(&bytes))
+}
+
+/// The file that [`write_exr`] makes.
+pub fn exr_bytes(image: &Image, precision: Precision) -> Result<Vec<u8>> {
+    Error::expect_size("pixels of the image", image.width * image.height, image.pixels.len())?;
+    openexr::bytes(image, precision)
+}
+
+/// Refuses a size that `length` bytes cannot mean: compression earns a factor of 1000, and 64 MiB come on top so that small
+/// files of one colour pass. A file of one colour must be no larger than some 2300 x 2300 pixels.
+pub(super) fn affordable(format: &'static str, width: usize, height: usize, pixel: usize, length: usize) -> Result<()> {
+    let limit = length.saturating_mul(1000).saturating_add(64 << 20);
+    let needed = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(pixel));
+    match needed {
+        Some(needed) if needed <= limit && width > 0 && height > 0 => Ok(()),
+        _ => Err(broken(
+            format,
+            "header",
+            format!("an image of at most {limit} bytes in a file of {length}"),
+            format!("{width} x {height} pixels of {pixel} bytes"),
+        )),
+    }
+}
