@@ -77,6 +77,13 @@ pub trait Column: Copy + Send + Sync {
     fn at(self) -> usize;
 }
 
+impl Column for u8 {
+    #[inline(always)]
+    fn at(self) -> usize {
+        self.into()
+    }
+}
+
 impl Column for u16 {
     #[inline(always)]
     fn at(self) -> usize {

@@ -52,6 +52,19 @@ impl Value for f64 {
     }
 }
 
+/// A value that may be left out; its absence is written `none`.
+impl<T: Value> Value for Option<T> {
+    fn parse(text: &str) -> Option<Self> {
+        if text == "none" { Some(None) } else { T::parse(text).map(Some) }
+    }
+    fn show(&self) -> String {
+        self.as_ref().map_or_else(|| "none".into(), T::show)
+    }
+    fn expected() -> String {
+        format!("none or {}", T::expected())
+    }
+}
+
 /// What [`params!`](crate::params!) implements: a method's parameters by name.
 pub trait Params: Clone + Default + PartialEq + Send + Sync + std::fmt::Debug + 'static {
     /// The method's name in a label.

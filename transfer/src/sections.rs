@@ -1,7 +1,10 @@
 //! Named sections of plain numbers: what an encoded matrix consists of, and the only source of its size.
 
 use crate::error::{Error, Result};
-use bytemuck::{Pod, Zeroable};
+use bytemuck::Zeroable;
+
+/// What a section can hold, for codecs that are generic over the width of their numbers.
+pub use bytemuck::Pod;
 
 // Sections are the little-endian bytes of their numbers, copied as they lie in memory.
 #[cfg(target_endian = "big")]

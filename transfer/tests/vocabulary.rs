@@ -27,6 +27,8 @@ prt_transfer::params! {
         switch: bool = false,
         /// A choice.
         way: Way = Way::Here,
+        /// A limit, if any.
+        limit: Option<usize> = None,
     }
 }
 
@@ -36,10 +38,10 @@ fn plain(lights: usize) -> LightBasis {
 
 proptest! {
     #[test]
-    fn parameters_read_back_what_they_print(count in 0usize..10, bound in prop_oneof![Just(1e-3), any::<f64>()], switch: bool, there: bool) {
+    fn parameters_read_back_what_they_print(count in 0usize..10, bound in prop_oneof![Just(1e-3), any::<f64>()], switch: bool, there: bool, limit: Option<usize>) {
         prop_assume!(bound.is_finite());
         let way = if there { Way::There } else { Way::Here };
-        let params = AllParams { count, bound, switch, way };
+        let params = AllParams { count, bound, switch, way, limit };
         let stage = params.to_stage();
         prop_assert_eq!(stage.params.iter().any(|(name, _)| name == "count"), count != 4);
         let label: Label = stage.to_string().parse().unwrap();
