@@ -11,8 +11,8 @@ prt_transfer::choices! {
     pub enum Scale {
         /// Texels count alike: energy dropped from a row is Σ ΔT².
         None = "none",
-        /// Rows are divided by √dω and lights multiplied by it, so that energy dropped from a row is Σ ΔT²/dω, the squared error of the
-        /// transfer function over the sphere; dω is the solid angle of a texel in sr.
+        /// Rows are divided by √dω and lights multiplied by it, so that energy dropped from a row is Σ ΔT²/dω, the
+        /// squared error of the transfer function over the sphere; dω is the solid angle of a texel in sr.
         Sphere = "sphere",
     }
 }
@@ -34,6 +34,9 @@ prt_transfer::params! {
 /// Coefficients come face by face, +x, -x, +y, -y, +z, -z, and within a face from coarse to fine: coefficient 0 is the
 /// face's mean times its resolution; for n = 1, 2, 4, …, resolution/2 the n x n grid of horizontal differences is at
 /// `n²..2n²`, that of vertical ones at `2n²..3n²`, that of diagonal ones at `3n²..4n²`, in rows from the face's top.
+///
+/// With `light_terms` relighting approximates the light too: it is then not linear in the light, and differs from decoded
+/// rows times light by what the dropped coefficients would have added.
 pub struct Haar(HaarParams);
 
 /// [`Haar`] on a cubemap. With R its resolution, the transform of a light takes 8 (R²-1) multiplications and 16 (R²-1)

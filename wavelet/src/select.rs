@@ -9,9 +9,9 @@ prt_transfer::choices! {
     pub enum LightSelect {
         /// |w_k|: the least squared error of the light.
         Plain = "plain",
-        /// |w_k| √A_k, where A_k is the area of the support of ψ_k in texels of its face. In the basis of wavelets of height 1, where
-        /// the light is Σ u_k (√A_k ψ_k), this is |u_k| A_k: the area-weighted selection of Ng et al., which favours light that
-        /// many responses see over small bright sources.
+        /// |w_k| √A_k, where A_k is the area of the support of ψ_k in texels of its face. In the basis of wavelets of
+        /// height 1, where the light is Σ u_k (√A_k ψ_k), this is |u_k| A_k, coefficient times area: so the area-weighted
+        /// selection of Ng et al. is read here. It favours wide light over small bright sources.
         Area = "area",
     }
 }

@@ -11,8 +11,8 @@ prt_transfer::choices! {
     pub enum Order {
         /// Row by row: each response sums its own terms.
         Rows = "rows",
-        /// Column by column within blocks of rows: a light coefficient that is 0 costs nothing (Ng et al. 2003, sparse light times
-        /// sparse matrix).
+        /// Column by column within blocks of rows: a light coefficient that is 0 costs nothing (Ng et al. 2003, sparse
+        /// light times sparse matrix).
         Columns = "columns",
     }
 }
@@ -40,8 +40,8 @@ const DEFAULT_TERMS: usize = 64;
 /// energy of what is dropped is the squared error (Parseval).
 ///
 /// `max_error` bounds the error of the decoded matrix in the coordinates that the codec is given, the rounding of `bits` included.
-/// With `bits=32` no smaller number of coefficients meets it, up to one part in a million of the bound, which is left
-/// unused so that the bound also holds after an orthonormal transform has rounded to `f32`. `energy` is about what is
+/// With `bits=32` no smaller number of coefficients meets it, up to one part in a million of the bound, which is left unused
+/// so that the bound also holds after an orthonormal transform has rounded to `f32`. `energy` is about what is
 /// dropped; the rounding of `bits` comes on top.
 pub struct Truncate(TruncateParams);
 
