@@ -4,6 +4,9 @@
 //!
 //! Without a mesh: a bumpy sphere. `benches/peers/visibility_embree.py` traces the same rays with Embree.
 
+// A program may print.
+#![allow(clippy::print_stdout)]
+
 use glam::Vec3;
 use prt_transfer::mesh::Mesh;
 use prt_transfer::scene::bvh::Occluders;

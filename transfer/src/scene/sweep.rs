@@ -5,8 +5,8 @@
 //! rectangle is still free; a triangle's edge `(a, b)` becomes the linear function `F = (a × b)·(u, v, 1)`, and a direction is
 //! hidden where all three have the sign of the triangle's orientation (which also says that the distance is positive).
 //!
-//! `F` is computed as `p × (b − a)·(u, v, 1)`, with `p` the nearer end of the edge, to within [`ROUNDING`]`·|p|∞·|b − a|∞`.
-//! What is closer to zero than that goes to [`exact`](super::exact), so the masks do not depend on how `F` was rounded.
+//! What is closer to zero than `F` is known (see [`edges`](super::edges)) goes to [`exact`], so the masks do not depend on
+//! how `F` was rounded.
 
 use super::bvh::{LEAF, Leaf, Node, Occluders, WIDTH};
 use super::directions::{Directions, Window};
