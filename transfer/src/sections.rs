@@ -72,7 +72,7 @@ impl Source {
             self.sections.iter().position(|s| s.name == name).ok_or_else(|| broken(name, "this section", "none"))?;
         let bytes = self.sections.swap_remove(at).bytes;
         let size = size_of::<T>();
-        if bytes.len() % size != 0 {
+        if !bytes.len().is_multiple_of(size) {
             return Err(broken(name, format!("a multiple of {size} bytes"), format!("{} bytes", bytes.len())));
         }
         // Copied rather than cast, since a Vec<u8> need not be aligned for T.
