@@ -6,9 +6,7 @@ use prt_transfer::compact::{Compact, EncodedCompact};
 use prt_transfer::csr::{Csr, EncodedCsr};
 use prt_transfer::dense::{Dense, EncodedDense};
 use prt_transfer::f16::{EncodedF16, F16};
-use prt_transfer::{
-    Codec, Configure, Encoded, LightBasis, Quiet, Restore, Section, Shape, Sink, Source, TransferMatrix,
-};
+use prt_transfer::{Codec, Encoded, LightBasis, Quiet, Restore, Section, Shape, Sink, Source, TransferMatrix};
 
 /// Encodes, writes, reads back.
 fn through<C: Codec>(matrix: &TransferMatrix) -> (Box<dyn Encoded>, Vec<Section>)
