@@ -3,7 +3,7 @@
 use crate::codec::{Codec, Configure, Encoded, Restore};
 use crate::error::Result;
 use crate::flops::{Count, Flops};
-use crate::kernel::{self, RowKernel};
+use crate::kernel::{self, BLOCK_ROWS, RowKernel};
 use crate::matrix::{Row, Shape, TransferMatrix};
 use crate::progress::Progress;
 use crate::sections::{Sink, Source, broken};
@@ -50,7 +50,9 @@ impl Codec for Csr {
                 values: values.to_vec(),
             });
         }
-        let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+        let (mut columns, mut values) = (Vec::new(), Vec::new());
+        let mut offsets = Vec::with_capacity(rows + 1);
+        offsets.push(0);
         for row in 0..rows {
             for (col, value) in matrix.row(row).non_zeros() {
                 columns.push(col as u32);
@@ -59,6 +61,8 @@ impl Codec for Csr {
             offsets.push(columns.len() as u64);
             progress.advance(1)?;
         }
+        columns.shrink_to_fit();
+        values.shrink_to_fit();
         Ok(EncodedCsr { shape: matrix.shape(), offsets, columns, values })
     }
 }
@@ -78,6 +82,16 @@ impl RowKernel for EncodedCsr {
         count.factors(values.iter().copied());
         // SAFETY: columns are below `shape.lights` (checked by TransferMatrix, or by `read`), which is x.len().
         unsafe { kernel::sparse_dot(columns, values, x) }
+    }
+
+    fn block<const N: usize>(&self, first: usize, x: &[[f32; N]], out: &mut [[f32; N]]) {
+        let start = self.offsets[first] as usize;
+        let mut ends = [0u32; BLOCK_ROWS];
+        let ends = &mut ends[..out.len()];
+        // No overflow: 64 rows have at most 2^31 columns, ascending below MAX_LIGHTS in each.
+        ends.iter_mut().zip(&self.offsets[first + 1..]).for_each(|(end, &o)| *end = (o as usize - start) as u32);
+        // SAFETY: offsets ascend to columns.len() and columns are below `shape.lights`, as above.
+        unsafe { kernel::sparse_rows(ends, &self.columns[start..], &self.values[start..], x, out) }
     }
 }
 

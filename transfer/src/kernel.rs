@@ -1,7 +1,20 @@
 //! The loops that relighting spends its time in.
 //!
 //! A codec whose rows can be multiplied one by one implements [`RowKernel`]; [`apply`] then packs the light, spreads rows over
-//! rayon's current pool and takes care of channels, and [`count`] runs the same products with a tally.
+//! rayon's current pool and takes care of channels, and [`count`] runs the same products with a tally. Sparse rows have a
+//! vector kernel for whole blocks of rows, [`sparse_rows`]; dense matrices have their own [`dense`](mod@dense) loop.
+
+mod column;
+pub mod dense;
+mod sparse;
+mod stored;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub use column::Column;
+pub(crate) use sparse::{dot, rows_of};
+pub use sparse::{sparse_dot, sparse_rows};
+pub(crate) use stored::{Dictionary, Half, Integer, Plain, Stored};
 
 use crate::error::Result;
 use crate::flops::{Count, Flops, NoCount, Tally};
@@ -9,39 +22,58 @@ use crate::matrix::{Shape, check_apply};
 use ndarray::{ArrayView2, ArrayViewMut2, Axis, s};
 use rayon::prelude::*;
 
+/// Rows that a kernel multiplies in one call, at most.
+pub const BLOCK_ROWS: usize = 64;
+
+/// Rows given to a thread at a time, a multiple of [`BLOCK_ROWS`]: enough to hide the cost of handing them out, few enough
+/// to balance uneven rows.
+const ROWS_PER_TASK: usize = 8 * BLOCK_ROWS;
+
 /// A matrix whose products with a light are independent row by row.
 pub trait RowKernel: Sync {
     /// The product of one row with `N` packed channels (`x[k]` = the channels of light coefficient k), telling `count` of
     /// the operations that one channel takes. `x.len()` = lights has been checked.
     fn product<const N: usize, C: Count>(&self, row: usize, x: &[[f32; N]], count: &mut C) -> [f32; N];
+
+    /// The products of rows `first..first + out.len()` with a finite light. `first` is a multiple of [`BLOCK_ROWS`], which
+    /// `out.len()` does not exceed. A kernel overrides it where many rows together are faster than one after the other.
+    fn block<const N: usize>(&self, first: usize, x: &[[f32; N]], out: &mut [[f32; N]]) {
+        each_row(self, first, x, out);
+    }
 }
 
-/// Rows given to a thread at a time: enough to hide the cost of handing them out, few enough to balance uneven rows.
-const ROWS_PER_TASK: usize = 512;
+/// [`RowKernel::block`], row by row.
+pub(crate) fn each_row<const N: usize, K: RowKernel + ?Sized>(
+    kernel: &K,
+    first: usize,
+    x: &[[f32; N]],
+    out: &mut [[f32; N]],
+) {
+    out.iter_mut().enumerate().for_each(|(i, y)| *y = kernel.product(first + i, x, &mut NoCount));
+}
 
 /// `out` (rows x channels) = kernel · `lights` (lights x channels), after checking sizes.
-pub fn apply<K: RowKernel>(
-    kernel: &K,
-    shape: Shape,
+pub fn apply<K: RowKernel>(kernel: &K, shape: Shape, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {
+    check_apply(shape, &lights, &out)?;
+    by_channels(lights, out, |lights, out| match lights.ncols() {
+        1 => apply_packed::<1, K>(kernel, lights, out),
+        // Three channels travel as four: one vector register, the last lane idle.
+        _ => apply_packed::<4, K>(kernel, lights, out),
+    });
+    Ok(())
+}
+
+/// Hands over channels in groups of at most four.
+fn by_channels(
     lights: ArrayView2<f32>,
     mut out: ArrayViewMut2<f32>,
-) -> Result<()> {
-    check_apply(shape, &lights, &out)?;
+    mut group: impl FnMut(ArrayView2<f32>, ArrayViewMut2<f32>),
+) {
     let channels = lights.ncols();
-    let mut first = 0;
-    while first < channels {
-        // Three channels travel as four: one vector register, the last lane idle.
-        let width = if channels - first == 1 { 1 } else { (channels - first).min(4) };
-        let lights = lights.slice(s![.., first..first + width]);
-        let out = out.slice_mut(s![.., first..first + width]);
-        if width == 1 {
-            apply_packed::<1, K>(kernel, lights, out)
-        } else {
-            apply_packed::<4, K>(kernel, lights, out)
-        }
-        first += width;
+    for first in (0..channels).step_by(4) {
+        let end = channels.min(first + 4);
+        group(lights.slice(s![.., first..end]), out.slice_mut(s![.., first..end]));
     }
-    Ok(())
 }
 
 fn apply_packed<const N: usize, K: RowKernel>(kernel: &K, lights: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
@@ -53,12 +85,32 @@ fn apply_packed<const N: usize, K: RowKernel>(kernel: &K, lights: ArrayView2<f32
             x
         })
         .collect();
+    // Vector kernels multiply lanes that they do not want by 0, which an infinite coefficient would turn into a NaN.
+    let finite = packed.as_flattened().iter().all(|x| x.is_finite());
     out.axis_chunks_iter_mut(Axis(0), ROWS_PER_TASK).into_par_iter().enumerate().for_each(|(task, mut rows)| {
-        for (i, mut y) in rows.outer_iter_mut().enumerate() {
-            let product = kernel.product(task * ROWS_PER_TASK + i, &packed, &mut NoCount);
-            y.iter_mut().zip(product).for_each(|(y, p)| *y = p);
+        let mut products = [[0.0; N]; BLOCK_ROWS];
+        for (block, rows) in rows.axis_chunks_iter_mut(Axis(0), BLOCK_ROWS).enumerate() {
+            let first = task * ROWS_PER_TASK + block * BLOCK_ROWS;
+            let products = &mut products[..rows.nrows()];
+            match finite {
+                true => kernel.block(first, &packed, products),
+                false => each_row(kernel, first, &packed, products),
+            }
+            store(products, rows);
         }
     });
+}
+
+/// Copies the first channels of `products` to the rows of the output.
+fn store<const N: usize>(products: &[[f32; N]], mut rows: ArrayViewMut2<f32>) {
+    let width = rows.ncols();
+    match rows.as_slice_mut() {
+        Some(slice) if width == N => slice.copy_from_slice(products.as_flattened()),
+        Some(slice) => slice.chunks_exact_mut(width).zip(products).for_each(|(y, p)| y.copy_from_slice(&p[..width])),
+        None => rows.outer_iter_mut().zip(products).for_each(|(mut row, p)| {
+            row.iter_mut().zip(p).for_each(|(y, p)| *y = *p);
+        }),
+    }
 }
 
 /// Operations of one relighting with one channel, told by the products themselves.
@@ -71,53 +123,5 @@ pub fn count<K: RowKernel>(kernel: &K, shape: Shape, light: &[f32]) -> Flops {
     tally.0
 }
 
-/// A stored column index.
-pub trait Column: Copy + Send + Sync {
-    /// As an index.
-    fn at(self) -> usize;
-}
-
-impl Column for u8 {
-    #[inline(always)]
-    fn at(self) -> usize {
-        self.into()
-    }
-}
-
-impl Column for u16 {
-    #[inline(always)]
-    fn at(self) -> usize {
-        self.into()
-    }
-}
-
-impl Column for u32 {
-    #[inline(always)]
-    fn at(self) -> usize {
-        self as usize
-    }
-}
-
-/// Σ value · x\[column\] over one sparse row.
-///
-/// # Safety
-/// Every column must be below `x.len()`.
-#[inline]
-pub unsafe fn sparse_dot<const N: usize, I: Column>(columns: &[I], values: &[f32], x: &[[f32; N]]) -> [f32; N] {
-    // Four sums, since one would make every addition wait for the one before.
-    let mut sums = [[0f32; N]; 4];
-    let quads = columns.len() / 4 * 4;
-    let step = |sum: &mut [f32; N], i: usize| {
-        // SAFETY: i < columns.len() = values.len(), and the caller promises the column.
-        let (value, x) = unsafe { (*values.get_unchecked(i), x.get_unchecked(columns.get_unchecked(i).at())) };
-        sum.iter_mut().zip(x).for_each(|(s, x)| *s += value * x);
-    };
-    debug_assert_eq!(columns.len(), values.len());
-    for i in (0..quads).step_by(4) {
-        sums.iter_mut().enumerate().for_each(|(lane, sum)| step(sum, i + lane));
-    }
-    for i in quads..columns.len() {
-        step(&mut sums[0], i);
-    }
-    std::array::from_fn(|c| (sums[0][c] + sums[1][c]) + (sums[2][c] + sums[3][c]))
-}
+#[cfg(test)]
+mod tests;

@@ -30,6 +30,7 @@ pub mod matrix;
 #[cfg(any(feature = "io", feature = "scene"))]
 pub mod mesh;
 pub mod method;
+mod narrow;
 pub mod params;
 pub mod progress;
 #[cfg(feature = "scene")]
