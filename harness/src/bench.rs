@@ -10,6 +10,7 @@ use crate::row::Row;
 use crate::suite::{DENSE_LIMIT, Origin, Size, Suite};
 use crate::timing::Budget;
 use crate::{files, fingerprint, progress, registry, report, scenes, table, terminal};
+use anyhow::ensure;
 use clap::Args;
 use indicatif::ProgressBar;
 use prt_transfer::{Error, Label, Quiet, Registry};
@@ -92,10 +93,27 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
     }
     run.bar.finish_and_clear();
     files::write_beside(&out.join("report.html"), report::page(&groups, &machine).as_bytes())?;
+    let rows: Vec<&Row> = groups.iter().flat_map(|g| &g.rows).collect();
     if arguments.json {
-        return terminal::say_json(&groups.iter().flat_map(|g| &g.rows).collect::<Vec<_>>());
+        terminal::say_json(&rows)?;
+    } else {
+        terminal::say(format!("{}\nresults.csv, charts and report.html are in {}", machine.line(), out.display()))?;
     }
-    terminal::say(format!("{}\nresults.csv, charts and report.html are in {}", machine.line(), out.display()))
+    // One failed method is a row; nothing but failures is a failure.
+    ensure!(
+        rows.iter().any(|row| row.is_ok()),
+        "no method could be measured; {} says why",
+        run.results.path().display()
+    );
+    Ok(())
+}
+
+/// Scene, signal, basis and shape, as far as they are known.
+fn title(row: &Row) -> String {
+    let Row { scene, signal, basis, samples, responses, lights, .. } = row;
+    let shape = if row.fingerprint.is_empty() { String::new() } else { format!("{samples} x {responses} x {lights}") };
+    let parts = [scene, signal, basis, &shape].into_iter().filter(|part| !part.is_empty());
+    parts.map(String::as_str).collect::<Vec<_>>().join(" · ")
 }
 
 /// The suite with the user's scenes and methods, all of them known: a slip of the keyboard should not cost minutes.
@@ -133,9 +151,7 @@ impl Run<'_> {
                 rows
             }
         };
-        let Row { scene, signal, basis, samples, responses, lights, .. } = rows.first().cloned().unwrap_or_default();
-        let title = format!("{scene} · {signal} · {basis} · {samples} x {responses} x {lights}");
-        Ok(Group { title, file_name: cache::file_name(origin), rows })
+        Ok(Group { title: rows.first().map_or_else(String::new, title), file_name: cache::file_name(origin), rows })
     }
 
     fn rows(&mut self, prepared: Prepared, subject: &Row, methods: &[String], name: &str) -> anyhow::Result<Vec<Row>> {

@@ -22,6 +22,7 @@ pub fn read_matrix(path: &Path, description: &Description) -> anyhow::Result<Tra
     let matrix = crate::decode::matrix(&read_prt(path, &crate::registry::registry())?, &Quiet)?;
     let responses = description.responses.unwrap_or(matrix.shape().responses);
     let basis = description.basis.clone().unwrap_or_else(|| matrix.basis().clone());
+    let matrix = matrix.with_basis(basis.clone())?;
     Ok(match (matrix.as_csr(), matrix.as_dense()) {
         (Some((o, c, v)), _) => TransferMatrix::from_csr(o.to_vec(), c.to_vec(), v.to_vec(), responses, basis)?,
         (_, Some(values)) => TransferMatrix::from_dense(values.to_vec(), matrix.rows(), responses, basis)?,

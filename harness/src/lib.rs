@@ -1,7 +1,7 @@
 //! The `prt` program as a library: the registry of every method, measuring on the reloaded object, charts and reports.
 //!
-//! [`registry::registry`] knows every transform and codec of the workspace; [`measure::measure`] takes a method through its
-//! file and fills a [`row::Row`]; [`bench`] does so for a whole [`suite::Suite`] and draws what came out.
+//! [`registry::registry`] knows every transform and codec of the workspace; [`measure::Bench`] takes a method through its
+//! file and fills a [`row::Row`]; [`mod@bench`] does so for a whole [`suite::Suite`] and draws what came out.
 
 pub mod bench;
 pub mod cache;

@@ -19,6 +19,11 @@ impl Results {
         Ok(Results { path, rows })
     }
 
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// The finished measurement that makes `planned` superfluous.
     pub fn finished(&self, planned: &Row) -> Option<&Row> {
         self.rows.iter().find(|row| row.same_measurement(planned))

@@ -5,8 +5,11 @@ use crate::number::{bytes, count, short};
 use crate::row::Row;
 use comfy_table::{Cell, CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle};
 
-/// Titles and figures of the table's columns, on the terminal and in the report.
-pub const COLUMNS: [(&str, fn(&Row) -> Option<String>); 11] = [
+/// A column: its title, and its figure as a person reads it, where there is one.
+pub type Column = (&'static str, fn(&Row) -> Option<String>);
+
+/// The table's columns besides the method, on the terminal and in the report.
+pub const COLUMNS: [Column; 11] = [
     ("resident", |r| r.resident_bytes.map(bytes)),
     ("file", |r| r.file_bytes.map(bytes)),
     ("B/nnz", |r| r.bytes_per_non_zero.map(short)),

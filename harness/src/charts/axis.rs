@@ -44,6 +44,8 @@ impl LogAxis {
         let span = self.high - self.low;
         // Every second or third decade only, where they would run into each other.
         let stride = (span / 10.0).ceil().max(1.0) as i32;
+        // One notation on one axis.
+        let plain = self.low >= -3.0 && self.high < 5.0;
         let decades = self.low.floor() as i32..=self.high.floor() as i32;
         let marks = decades.flat_map(|decade| (1..10).map(move |digit| (decade, digit)));
         let inside = marks.filter(|&(decade, digit)| {
@@ -58,22 +60,22 @@ impl LogAxis {
                     _ => false,
                 };
                 let value = f64::from(digit) * 10f64.powi(decade);
-                Tick { pixel: self.pixel(value), label: labelled.then(|| label(decade, digit)) }
+                Tick { pixel: self.pixel(value), label: labelled.then(|| label(decade, digit, plain)) }
             })
             .collect()
     }
 }
 
-/// `0.02`, `500` or `10⁻⁵`.
-fn label(decade: i32, digit: i32) -> String {
-    match decade {
-        -3..=-1 => format!("{:.*}", -decade as usize, f64::from(digit) * 10f64.powi(decade)),
-        0..=4 => format!("{}", digit * 10i32.pow(decade as u32)),
-        _ => {
-            let factor = if digit == 1 { String::new() } else { format!("{digit}·") };
-            format!("{factor}10{}", decade.to_string().chars().map(superscript).collect::<String>())
-        }
+/// `0.02` or `500` where numbers are plain; else `10⁻⁵`, `2·10¹²`.
+fn label(decade: i32, digit: i32, plain: bool) -> String {
+    if decade == 0 {
+        return digit.to_string();
     }
+    if plain {
+        return format!("{:.*}", (-decade).max(0) as usize, f64::from(digit) * 10f64.powi(decade));
+    }
+    let factor = if digit == 1 { String::new() } else { format!("{digit}·") };
+    format!("{factor}10{}", decade.to_string().chars().map(superscript).collect::<String>())
 }
 
 fn superscript(c: char) -> char {
@@ -104,11 +106,12 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_plain_numbers_where_those_are_short() {
-        for (decade, digit, text) in
-            [(-3, 2, "0.002"), (0, 5, "5"), (4, 1, "10000"), (-5, 1, "10⁻⁵"), (12, 2, "2·10¹²")]
-        {
-            assert_eq!(label(decade, digit), text);
+    fn an_axis_has_one_notation() {
+        for (decade, digit, text) in [(-3, 2, "0.002"), (0, 5, "5"), (4, 1, "10000")] {
+            assert_eq!(label(decade, digit, true), text);
+        }
+        for (decade, digit, text) in [(-5, 1, "10⁻⁵"), (0, 1, "1"), (12, 2, "2·10¹²")] {
+            assert_eq!(label(decade, digit, false), text);
         }
     }
 }

@@ -113,14 +113,14 @@ impl Frame<'_> {
         if self.errors.is_some() {
             line(scene, (self.errors_from, FRAME.bottom), (FRAME.right, FRAME.bottom), INK, 1.0, None);
         }
-        text(scene, (FRAME.left - 10.0, FRAME.top - 14.0), 12, INK, TextAnchor::Start, self.chart.cost.axis);
+        text(scene, (FRAME.left, FRAME.top - 14.0), 12, INK, TextAnchor::Start, self.chart.cost.axis);
         let middle = (FRAME.left + FRAME.right) / 2.0;
-        let title = "relative squared error Σ(T−T̃)²/ΣT²";
+        let title = "relative squared error of the transfer matrix";
         text(scene, (middle, FRAME.bottom + 44.0), 12, INK, TextAnchor::Middle, title);
     }
 
     /// The least cost at which each error can be had: level from a method to the next worse one, then down to it.
-    fn frontier(&self, scene: &mut Scene) {
+    fn steps(&self) -> Vec<(f64, f64)> {
         let mut points = Vec::new();
         for &i in &self.chart.frontier {
             let (x, y) = self.place(&self.chart.points[i]);
@@ -132,7 +132,12 @@ impl Frame<'_> {
         if let Some(&(_, last)) = points.last() {
             points.push((FRAME.right, last));
         }
-        scene.add(Primitive::PolyLine { points, stroke: FRONTIER.into(), stroke_width: 1.8, stroke_dasharray: None });
+        points
+    }
+
+    fn frontier(&self, scene: &mut Scene) {
+        let (stroke, stroke_width) = (FRONTIER.into(), 1.8);
+        scene.add(Primitive::PolyLine { points: self.steps(), stroke, stroke_width, stroke_dasharray: None });
     }
 
     /// The cost of the exact sparse matrix.
@@ -155,21 +160,29 @@ impl Frame<'_> {
             marker(scene, self.style(&point.family), x, y);
         }
         let texts: Vec<&str> = points.iter().map(|p| p.label.as_str()).collect();
-        let lines: Vec<Box2> = self
-            .csr()
-            .map(|y| {
-                [
-                    Box2 { left: FRAME.left, top: y - 1.0, right: FRAME.right, bottom: y + 1.0 },
-                    Box2 { left: FRAME.right - 70.0, top: y - 16.0, right: FRAME.right, bottom: y },
-                ]
-            })
-            .into_iter()
-            .flatten()
-            .collect();
+        let lines = self.lines();
         let labels = place::labels(&places, &texts, SMALL.into(), FRAME, &lines);
         for (place, label) in labels.into_iter().zip(texts) {
             text(scene, place, SMALL, INK, TextAnchor::Start, label);
         }
+    }
+
+    /// What labels should not cover.
+    fn lines(&self) -> Vec<Box2> {
+        let box_of = |a: (f64, f64), b: (f64, f64)| Box2 {
+            left: a.0.min(b.0) - 1.0,
+            top: a.1.min(b.1) - 1.0,
+            right: a.0.max(b.0) + 1.0,
+            bottom: a.1.max(b.1) + 1.0,
+        };
+        let steps = self.steps();
+        let mut lines: Vec<Box2> = steps.iter().zip(steps.iter().skip(1)).map(|(&a, &b)| box_of(a, b)).collect();
+        if let Some(y) = self.csr() {
+            lines.push(box_of((FRAME.left, y), (FRAME.right, y)));
+            // The name of the line.
+            lines.push(box_of((FRAME.right - 70.0, y - 16.0), (FRAME.right, y)));
+        }
+        lines
     }
 
     fn style(&self, family: &str) -> Style {
@@ -192,9 +205,7 @@ impl Frame<'_> {
             text(scene, (left + 26.0, y + 4.0), 12, INK, TextAnchor::Start, name);
             y += 21.0;
         }
-        for (i, note) in ["Better is left and down."].iter().enumerate() {
-            text(scene, (left, y + 12.0 + 15.0 * i as f64), SMALL, FAINT, TextAnchor::Start, note);
-        }
+        text(scene, (left, y + 12.0), SMALL, FAINT, TextAnchor::Start, "Better is left and down.");
     }
 }
 
