@@ -1,1 +1,34 @@
-//! (skeleton)
+//! The `prt` program as a library: the registry of every method, measuring on the reloaded object, charts and reports.
+//!
+//! [`registry::registry`] knows every transform and codec of the workspace; [`measure::Bench`] takes a method through its
+//! file and fills a [`row::Row`]; [`mod@bench`] does so for a whole [`suite::Suite`] and draws what came out.
+
+pub mod bench;
+pub mod cache;
+pub mod charts;
+pub mod cli;
+pub mod decode;
+pub mod encode;
+pub mod error_sums;
+pub mod family;
+pub mod files;
+pub mod fingerprint;
+pub mod frontier;
+pub mod info;
+pub mod list;
+pub mod machine;
+pub mod measure;
+pub mod number;
+pub mod precompute;
+pub mod progress;
+pub mod registry;
+pub mod relight;
+pub mod report;
+pub mod results;
+pub mod row;
+pub mod scenes;
+pub mod signal;
+pub mod suite;
+pub mod table;
+pub mod terminal;
+pub mod timing;

@@ -1,0 +1,222 @@
+//! `prt bench`: every method on every scene, measured on what came back from its file.
+
+use crate::cache::{self, Prepared};
+use crate::charts;
+use crate::family::family;
+use crate::machine::Machine;
+use crate::measure::{Bench as Measure, Pools, Reference};
+use crate::results::Results;
+use crate::row::Row;
+use crate::suite::{DENSE_LIMIT, Origin, Size, Suite};
+use crate::timing::Budget;
+use crate::{files, fingerprint, progress, registry, report, scenes, table, terminal};
+use anyhow::ensure;
+use clap::Args;
+use indicatif::ProgressBar;
+use prt_transfer::{Error, Label, Quiet, Registry};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Arguments of `prt bench`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "A finished row is never measured twice: run the same command again to resume.\n\nExamples:\n  prt bench\n  prt bench --quick --out /tmp/quick\n  prt bench --scene bunny.ply --method csr --method haar+truncate:terms=64"
+)]
+pub struct Bench {
+    /// A built-in scene, a mesh (.ply, .obj) or a matrix (.npz, .npy, .mtx), instead of the usual scenes; may be repeated
+    #[arg(long = "scene", value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// A method, instead of the usual ones; may be repeated
+    #[arg(long = "method", value_name = "LABEL")]
+    pub methods: Vec<String>,
+    /// Half a minute: one small scene, few methods
+    #[arg(long, conflicts_with = "full")]
+    pub quick: bool,
+    /// Every scene, denser, more parameters
+    #[arg(long)]
+    pub full: bool,
+    /// Folder for results.csv, machine.json, charts, report.html and the compressed files
+    #[arg(long, value_name = "DIR", default_value = "prt-bench")]
+    pub out: PathBuf,
+    /// Print the rows as one JSON array instead of tables
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// All rows of one matrix.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Scene, signal and basis, for people.
+    pub title: String,
+    /// The same for file names.
+    pub file_name: String,
+    /// One for each method, in the order of the suite.
+    pub rows: Vec<Row>,
+}
+
+/// One run of the command.
+struct Run<'a> {
+    measure: Measure<'a>,
+    threads: usize,
+    out: &'a Path,
+    results: Results,
+    bar: ProgressBar,
+    began: Instant,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
+    let registry = registry::registry();
+    let suite = suite(arguments, &registry)?;
+    let out = cache::make(arguments.out.clone())?;
+    let machine = Machine::here(threads);
+    files::write_beside(&out.join("machine.json"), &serde_json::to_vec_pretty(&machine)?)?;
+    let pools = Pools::new(threads)?;
+    let mut run = Run {
+        measure: Measure { registry: &registry, pools: &pools, budget: Budget::of(suite.budget) },
+        threads,
+        out: &out,
+        results: Results::open(out.join("results.csv"))?,
+        bar: progress::hidden((suite.origins.len() * suite.methods.len()) as u64),
+        began: Instant::now(),
+    };
+    run.bar.enable_steady_tick(Duration::from_millis(200));
+    let mut groups = Vec::new();
+    for origin in &suite.origins {
+        let group = run.group(origin, &suite.methods)?;
+        if !arguments.json {
+            run.bar.suspend(|| terminal::say(table::of(&group)))?;
+        }
+        charts::draw(&group, &cache::make(out.join("charts"))?, &machine)?;
+        groups.push(group);
+    }
+    run.bar.finish_and_clear();
+    files::write_beside(&out.join("report.html"), report::page(&groups, &machine).as_bytes())?;
+    let rows: Vec<&Row> = groups.iter().flat_map(|g| &g.rows).collect();
+    if arguments.json {
+        terminal::say_json(&rows)?;
+    } else {
+        terminal::say(format!("{}\nresults.csv, charts and report.html are in {}", machine.line(), out.display()))?;
+    }
+    // One failed method is a row; nothing but failures is a failure.
+    ensure!(
+        rows.iter().any(|row| row.is_ok()),
+        "no method could be measured; {} says why",
+        run.results.path().display()
+    );
+    Ok(())
+}
+
+/// Scene, signal, basis and shape, as far as they are known.
+fn title(row: &Row) -> String {
+    let Row { scene, signal, basis, samples, responses, lights, .. } = row;
+    let shape = if row.fingerprint.is_empty() { String::new() } else { format!("{samples} x {responses} x {lights}") };
+    let parts = [scene, signal, basis, &shape].into_iter().filter(|part| !part.is_empty());
+    parts.map(String::as_str).collect::<Vec<_>>().join(" · ")
+}
+
+/// The suite with the user's scenes and methods, all of them known: a slip of the keyboard should not cost minutes.
+fn suite(arguments: &Bench, registry: &Registry) -> anyhow::Result<Suite> {
+    let known: Vec<&str> = scenes::scenes().iter().map(|s| s.name).collect();
+    for scene in &arguments.scenes {
+        if Path::new(scene).extension().is_none() && !known.contains(&scene.as_str()) {
+            return Err(Error::Unknown { what: "scene", name: scene.clone(), known: known.join(", ") }.into());
+        }
+    }
+    // In their shortest form, so that two spellings of one method are one row.
+    let shortest = |label: &String| Ok(registry::method(registry, label)?.label().to_string());
+    let methods = arguments.methods.iter().map(shortest).collect::<anyhow::Result<Vec<_>>>()?;
+    let size = match (arguments.quick, arguments.full) {
+        (true, _) => Size::Quick,
+        (_, true) => Size::Full,
+        _ => Size::Standard,
+    };
+    Ok(Suite::new(size, &arguments.scenes, &methods))
+}
+
+impl Run<'_> {
+    /// Every method on one matrix. Where there is no matrix, every row says why.
+    fn group(&mut self, origin: &Origin, methods: &[String]) -> anyhow::Result<Group> {
+        let subject = cache::subject(origin);
+        self.show(&format!("{} {}", subject.scene, subject.signal));
+        let prepared = cache::prepare(&cache::folder(self.out)?, origin, &Quiet);
+        let rows = match prepared {
+            Ok(prepared) => self.rows(prepared, &subject, methods, &cache::file_name(origin))?,
+            Err(error) => {
+                let failed = |m: &String| self.planned(&subject, m).failed(format!("{error:#}"));
+                let rows: Vec<Row> = methods.iter().map(failed).collect();
+                rows.iter().try_for_each(|row| self.results.put(row.clone()))?;
+                self.bar.inc(rows.len() as u64);
+                rows
+            }
+        };
+        Ok(Group { title: rows.first().map_or_else(String::new, title), file_name: cache::file_name(origin), rows })
+    }
+
+    fn rows(&mut self, prepared: Prepared, subject: &Row, methods: &[String], name: &str) -> anyhow::Result<Vec<Row>> {
+        let subject = prepared.about().describe(subject.clone());
+        // Read and compared only when something is left to measure.
+        let (mut prepared, mut reference) = (Some(prepared), None);
+        let mut rows = Vec::new();
+        for method in methods {
+            let planned = self.planned(&subject, method);
+            let row = match self.results.finished(&planned) {
+                Some(row) => row.clone(),
+                None => {
+                    self.show(&format!("{} {} {method}", planned.scene, planned.signal));
+                    if let Some(prepared) = prepared.take() {
+                        let pools = self.measure.pools;
+                        reference = Some(pools.everywhere(|| Reference::new(prepared.into_matrix()?))?);
+                    }
+                    let path =
+                        cache::make(self.out.join("encoded"))?.join(format!("{name}-{}.prt", cache::safe(method)));
+                    let row = match &reference {
+                        Some(reference) => self.row(planned, reference, &path),
+                        None => planned.failed("no matrix"),
+                    };
+                    self.results.put(row.clone())?;
+                    row
+                }
+            };
+            self.bar.inc(1);
+            rows.push(row);
+        }
+        Ok(rows)
+    }
+
+    /// One measurement; whatever goes wrong becomes its reason.
+    fn row(&self, planned: Row, reference: &Reference, path: &Path) -> Row {
+        let label: Label = match planned.method.parse() {
+            Ok(label) => label,
+            Err(error) => return planned.failed(format!("{error}")),
+        };
+        let cells = 4 * planned.samples as u64 * planned.responses as u64 * planned.lights as u64;
+        if label.to_string() == "dense" && cells > DENSE_LIMIT {
+            let size = crate::number::bytes(cells);
+            return planned.failed(format!("would need {size}, above the bench's limit of {DENSE_LIMIT} bytes"));
+        }
+        let measured =
+            catch_unwind(AssertUnwindSafe(|| self.measure.measure(planned.clone(), &label, reference, path, &Quiet)));
+        match measured {
+            Ok(Ok(row)) => row,
+            Ok(Err(error)) => planned.failed(format!("{error:#}")),
+            Err(_) => planned.failed("the method panicked: a mistake in the program"),
+        }
+    }
+
+    fn planned(&self, subject: &Row, method: &str) -> Row {
+        Row {
+            method: method.into(),
+            family: method.parse().map_or_else(|_| method.into(), |label| family(&label)),
+            threads: self.threads,
+            program: fingerprint::program().into(),
+            ..subject.clone()
+        }
+    }
+
+    fn show(&self, what: &str) {
+        self.bar.set_message(what.to_string());
+        progress::reveal(&self.bar, self.began);
+    }
+}

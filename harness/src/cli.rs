@@ -1,0 +1,77 @@
+//! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
+
+use crate::{bench, decode, encode, info, list, precompute, relight, terminal};
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Measures, compresses and relights precomputed radiance transfer.
+#[derive(Parser, Debug)]
+#[command(
+    name = "prt",
+    version,
+    after_help = "Examples:\n  prt bench --quick\n  prt bench --scene teapot --method csr --method haar+truncate:terms=64"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Threads to work on [default: all]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Measures every method on every scene: a table, results.csv, charts and a report
+    Bench(bench::Bench),
+    /// Computes the transfer matrix of a scene
+    Precompute(precompute::Precompute),
+    /// Compresses a transfer matrix
+    Encode(encode::Encode),
+    /// Reconstructs a transfer matrix
+    Decode(decode::Decode),
+    /// Relights a compressed matrix
+    Relight(relight::Relight),
+    /// Tells what a compressed matrix is and costs
+    Info(info::InfoArguments),
+    /// Lists the built-in scenes and lights
+    Scenes(list::Scenes),
+    /// Lists the light transforms and codecs with their parameters
+    Methods(list::Methods),
+}
+
+/// Runs the program on the process's arguments.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(&cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // One line, whatever the causes brought with them.
+            terminal::remark(format!("prt: {error:#}").replace('\n', " "));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(cli: &Cli) -> anyhow::Result<()> {
+    let threads = cli.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()), usize::from);
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    match &cli.command {
+        Command::Bench(arguments) => bench::run(arguments, threads),
+        Command::Precompute(arguments) => precompute::run(arguments),
+        Command::Encode(arguments) => encode::run(arguments),
+        Command::Decode(arguments) => decode::run(arguments),
+        Command::Relight(arguments) => relight::run(arguments),
+        Command::Info(arguments) => info::run(arguments),
+        Command::Scenes(arguments) => list::scenes(arguments),
+        Command::Methods(arguments) => list::methods(arguments),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_command_line_is_consistent() {
+        use clap::CommandFactory;
+        super::Cli::command().debug_assert();
+    }
+}

@@ -1,0 +1,51 @@
+//! `prt encode`: compresses a matrix by the method that a label describes.
+
+use crate::files::{self, Description};
+use crate::info::Info;
+use crate::progress::Bar;
+use crate::registry::{method, registry};
+use crate::terminal;
+use clap::Args;
+use prt_transfer::LightBasis;
+use std::path::PathBuf;
+
+/// Arguments of `prt encode`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  prt encode haar+truncate:terms=64 teapot.npz -o teapot.prt\n  prt encode csr bare.npy --responses 64 --basis cubemap:32 -o bare.prt"
+)]
+pub struct Encode {
+    /// The method: transform:name=value+codec:name=value; `prt methods` lists them
+    pub label: String,
+    /// Transfer matrix: .npz, .npy or .mtx
+    #[arg(value_name = "MATRIX")]
+    pub input: PathBuf,
+    /// Where to write the compressed matrix
+    #[arg(short, long, value_name = "FILE.prt")]
+    pub output: PathBuf,
+    /// Rows of one sample, where the matrix does not say
+    #[arg(long, value_name = "M")]
+    pub responses: Option<usize>,
+    /// What the columns stand for, where the matrix does not say: cubemap:32, latlong:64x32, sh:5 or plain:100
+    #[arg(long, value_name = "BASIS")]
+    pub basis: Option<LightBasis>,
+    /// Print what was written, as `prt info --json` does
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Encode) -> anyhow::Result<()> {
+    // First, so that a wrong label is told before a large file is read.
+    let (registry, bar) = (registry(), Bar::default());
+    let method = method(&registry, &arguments.label)?;
+    let description = Description { responses: arguments.responses, basis: arguments.basis.clone() };
+    let matrix = files::read_matrix(&arguments.input, &description)?;
+    files::write_prt(&arguments.output, &method.encode(&matrix, &bar)?)?;
+    drop(bar);
+    if arguments.json {
+        // The figures of the file, not of what was meant to be in it.
+        terminal::say_json(&Info::read(&arguments.output, &registry)?)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,65 @@
+//! `prt scenes` and `prt methods`: what there is.
+
+use crate::registry::registry;
+use crate::{scenes, terminal};
+use clap::Args;
+use prt_transfer::method::About;
+use serde_json::{Value, json};
+
+/// Arguments of `prt scenes`.
+#[derive(Args, Debug)]
+#[command(after_help = "Example:\n  prt scenes --json")]
+pub struct Scenes {
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `prt methods`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "A label joins a light transform and a codec, each with the parameters that differ from their defaults:\n  haar+truncate:terms=64\n\nExample:\n  prt methods --json"
+)]
+pub struct Methods {
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs `prt scenes`.
+pub fn scenes(arguments: &Scenes) -> anyhow::Result<()> {
+    let (scenes, lights) = (scenes::scenes(), scenes::lights());
+    if arguments.json {
+        return terminal::say_json(&json!({ "scenes": scenes, "lights": lights }));
+    }
+    let mut lines = Vec::new();
+    for (title, list) in [("Scenes", scenes), ("Lights", lights)] {
+        lines.push(title.to_string());
+        lines.extend(list.iter().map(|a| format!("  {:<14}{}", a.name, a.about)));
+    }
+    terminal::say(lines.join("\n"))
+}
+
+/// Runs `prt methods`.
+pub fn methods(arguments: &Methods) -> anyhow::Result<()> {
+    let registry = registry();
+    let (transforms, codecs) = (registry.transforms(), registry.codecs());
+    if arguments.json {
+        let list = |list: &[About]| list.iter().map(stage).collect::<Vec<_>>();
+        return terminal::say_json(&json!({ "transforms": list(&transforms), "codecs": list(&codecs) }));
+    }
+    let mut lines = Vec::new();
+    for (title, list) in [("Light transforms", transforms), ("Codecs", codecs)] {
+        lines.push(title.to_string());
+        for About { name, about, fields } in list {
+            lines.push(format!("  {name:<14}{about}"));
+            lines.extend(fields.iter().map(|f| format!("    {}={}  {}", f.name, f.default, f.doc.trim())));
+        }
+    }
+    terminal::say(lines.join("\n"))
+}
+
+fn stage(about: &About) -> Value {
+    let fields = about.fields.iter().map(|f| json!({ "name": f.name, "default": f.default, "about": f.doc.trim() }));
+    json!({ "name": about.name, "about": about.about, "parameters": fields.collect::<Vec<_>>() })
+}

@@ -1,0 +1,5 @@
+//! The `prt` program. Everything it does is in the library.
+
+fn main() -> std::process::ExitCode {
+    prt_harness::cli::main()
+}

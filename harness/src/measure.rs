@@ -1,0 +1,195 @@
+//! Takes a method through its file and measures what comes back.
+
+use crate::error_sums::{self, Sums, relative};
+use crate::files;
+use crate::row::{Row, Status};
+use crate::scenes::{self, LIGHTS};
+use crate::timing::{Budget, Timing};
+use ndarray::{Array2, ArrayView2, s};
+use prt_transfer::{Compressed, Label, Progress, Registry, TransferMatrix};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::path::Path;
+use std::time::Instant;
+
+/// Threads to measure on: pools of their own, so that nothing else runs in them.
+pub struct Pools {
+    one: ThreadPool,
+    all: ThreadPool,
+}
+
+/// A matrix with everything that methods are compared with.
+pub struct Reference {
+    matrix: TransferMatrix,
+    weights: Option<Vec<f64>>,
+    whole: Sums,
+    /// Light and exact response by the names of [`LIGHTS`]; none where the basis has no place on the sphere.
+    relit: Vec<(Array2<f32>, Array2<f32>)>,
+    /// What relighting is timed with: lights x 3.
+    timed: Array2<f32>,
+}
+
+/// How much to spend and where to write.
+pub struct Bench<'a> {
+    /// Every method.
+    pub registry: &'a Registry,
+    /// Threads.
+    pub pools: &'a Pools,
+    /// Time for each relighting figure.
+    pub budget: Budget,
+}
+
+impl Pools {
+    /// One thread, and `threads` of them.
+    pub fn new(threads: usize) -> anyhow::Result<Pools> {
+        let pool = |n| ThreadPoolBuilder::new().num_threads(n).build();
+        Ok(Pools { one: pool(1)?, all: pool(threads)? })
+    }
+    /// Runs `work` on all threads.
+    pub fn everywhere<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        self.all.install(work)
+    }
+}
+
+impl Reference {
+    /// Computes the exact responses and norms.
+    pub fn new(matrix: TransferMatrix) -> anyhow::Result<Reference> {
+        let basis = matrix.basis();
+        let weights = basis.sphere_weights();
+        let whole = error_sums::of_matrix(&matrix, weights.as_deref());
+        let mut relit = Vec::new();
+        // A basis without a place on the sphere has no light to compare under.
+        for light in LIGHTS.iter().map_while(|name| scenes::light(name, basis).ok()) {
+            let mut out = Array2::zeros((matrix.rows(), light.ncols()));
+            matrix.apply_into(light.view(), out.view_mut())?;
+            relit.push((light, out));
+        }
+        let timed = match relit.first() {
+            Some((light, _)) => light.clone(),
+            None => Array2::from_shape_fn((matrix.lights(), 3), |(k, c)| 1.0 + (7 * k + c) as f32 % 5.0),
+        };
+        Ok(Reference { matrix, weights, whole, relit, timed })
+    }
+    /// The matrix itself.
+    pub fn matrix(&self) -> &TransferMatrix {
+        &self.matrix
+    }
+}
+
+impl Bench<'_> {
+    /// Encodes, writes `path`, reads it back, and fills `row` with the figures of what came back.
+    pub fn measure(
+        &self,
+        row: Row,
+        label: &Label,
+        reference: &Reference,
+        path: &Path,
+        progress: &dyn Progress,
+    ) -> anyhow::Result<Row> {
+        let method = self.registry.method(label)?;
+        let began = Instant::now();
+        let encoded = self.pools.everywhere(|| method.encode(&reference.matrix, progress))?;
+        let encode_s = began.elapsed().as_secs_f64();
+        files::write_prt(path, &encoded)?;
+        drop(encoded);
+        let compressed = files::read_prt(path, self.registry)?;
+        let mut row = Row { encode_s: Some(encode_s), file_bytes: Some(path.metadata()?.len()), ..row };
+        storage_and_work(&mut row, &compressed, reference)?;
+        self.pools.everywhere(|| errors(&mut row, &compressed, reference))?;
+        self.times(&mut row, &compressed, reference)?;
+        Ok(Row { status: Status::Ok, reason: String::new(), ..row })
+    }
+
+    fn times(&self, row: &mut Row, compressed: &Compressed, reference: &Reference) -> anyhow::Result<()> {
+        let timed = reference.timed.view();
+        let one = timed.slice(s![.., ..1]).to_owned();
+        let mut runs = usize::MAX;
+        let mut of = |pool: &ThreadPool, light: ArrayView2<f32>| -> anyhow::Result<(Option<f64>, Option<f64>)> {
+            let mut out = Array2::zeros((compressed.shape().rows(), light.ncols()));
+            let timing: Timing =
+                pool.install(|| self.budget.time(|| compressed.apply_into(light.view(), out.view_mut())))?;
+            runs = runs.min(timing.runs);
+            Ok((Some(timing.median_ms), Some(timing.spread_ms)))
+        };
+        let Pools { one: single, all } = self.pools;
+        (row.relight_1_ms, row.relight_1_spread_ms) = of(single, one.view())?;
+        (row.relight_all_ms, row.relight_all_spread_ms) = of(all, one.view())?;
+        (row.relight_rgb_1_ms, row.relight_rgb_1_spread_ms) = of(single, timed)?;
+        (row.relight_rgb_all_ms, row.relight_rgb_all_spread_ms) = of(all, timed)?;
+        row.runs = runs;
+        Ok(())
+    }
+}
+
+fn storage_and_work(row: &mut Row, compressed: &Compressed, reference: &Reference) -> anyhow::Result<()> {
+    let resident = compressed.sections().resident_bytes() as u64;
+    row.resident_bytes = Some(resident);
+    row.bytes_per_non_zero = (row.non_zeros > 0).then(|| resident as f64 / row.non_zeros as f64);
+    let flops = compressed.flops(&reference.timed.column(0).to_vec())?;
+    row.multiplications = Some(flops.multiplications);
+    row.additions = Some(flops.additions);
+    row.flops_value_aware = Some(flops.value_aware());
+    Ok(())
+}
+
+fn errors(row: &mut Row, compressed: &Compressed, reference: &Reference) -> anyhow::Result<()> {
+    let Reference { matrix, weights, whole, relit, .. } = reference;
+    let sums = error_sums::of_difference(matrix, compressed, weights.as_deref());
+    row.error = Some(relative(sums.squares, whole.squares));
+    row.error_sphere = weights.as_ref().map(|_| relative(sums.weighted, whole.weighted));
+    row.error_max = Some(sums.max);
+    for ((light, exact), figure) in relit.iter().zip(row.relit_errors_mut()) {
+        let mut out = Array2::zeros(exact.dim());
+        compressed.apply_into(light.view(), out.view_mut())?;
+        let squares = |a: f64, (x, y): (&f32, &f32)| a + (f64::from(*x) - f64::from(*y)).powi(2);
+        let difference = exact.iter().zip(&out).fold(0.0, squares);
+        let size = exact.iter().fold(0.0, |a, x| a + f64::from(*x).powi(2));
+        *figure = Some(relative(difference, size));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::registry::registry;
+    use prt_transfer::{LightBasis, Quiet};
+    use std::time::Duration;
+
+    fn measured(matrix: TransferMatrix) -> Row {
+        let (folder, registry, pools) = (tempfile::tempdir().unwrap(), registry(), Pools::new(2).unwrap());
+        let bench = Bench { registry: &registry, pools: &pools, budget: Budget::of(Duration::ZERO) };
+        let row = Row { non_zeros: matrix.non_zeros(), ..Row::default() };
+        let reference = Reference::new(matrix).unwrap();
+        let path = folder.path().join("a.prt");
+        let row = bench.measure(row, &"csr".parse().unwrap(), &reference, &path, &Quiet).unwrap();
+        assert_eq!(row.file_bytes, Some(path.metadata().unwrap().len()));
+        row
+    }
+
+    #[test]
+    fn an_exact_method_is_measured_exact_and_counted_by_the_closed_formula() {
+        let basis = LightBasis::Cubemap { resolution: 4 };
+        let values = (0..30 * 96).map(|i| if i % 3 == 0 { 1.0 } else { 0.5 }).collect();
+        let row = measured(TransferMatrix::from_dense(values, 30, 1, basis).unwrap());
+        assert_eq!((row.error, row.error_sphere, row.error_max), (Some(0.0), Some(0.0), Some(0.0)));
+        let nnz = 30 * 96;
+        assert_eq!((row.multiplications, row.additions), (Some(nnz), Some(nnz)));
+        assert_eq!(row.flops_value_aware, Some(2 * nnz - nnz / 3));
+        assert_eq!(row.resident_bytes, Some(8 * 31 + 8 * nnz));
+        // The reference accumulates in f64, the method in f32.
+        assert!(row.relit_errors().iter().all(|e| e.is_some_and(|e| e < 1e-12)), "{row:?}");
+        assert!(row.runs >= 7 && row.relight_1_ms.is_some() && row.relight_rgb_all_ms.is_some());
+    }
+
+    #[test]
+    fn a_matrix_off_the_sphere_or_without_elements_is_measured_too() {
+        let plain = |rows: usize, lights| {
+            let basis = LightBasis::Plain { lights };
+            TransferMatrix::from_csr(vec![0; rows + 1], Vec::new(), Vec::new(), 1, basis).unwrap()
+        };
+        for row in [measured(plain(5, 7)), measured(plain(0, 3))] {
+            assert_eq!((row.error, row.error_sphere, row.relit_errors()), (Some(0.0), None, [None, None]));
+            assert_eq!((row.multiplications, row.bytes_per_non_zero), (Some(0), None));
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! A progress bar on a terminal for anything that takes over a second; silence otherwise.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use prt_transfer::{Progress, Result};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+/// How long a stage runs before its bar appears.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Draws the stages of one operation, one bar after the other, on standard error where that is a terminal.
+pub struct Bar {
+    began: Instant,
+    current: Mutex<ProgressBar>,
+}
+
+impl Default for Bar {
+    fn default() -> Bar {
+        Bar { began: Instant::now(), current: Mutex::new(ProgressBar::hidden()) }
+    }
+}
+
+impl Progress for Bar {
+    fn start(&self, stage: &str, total: u64) {
+        let bar = hidden(total);
+        bar.set_message(stage.to_string());
+        if let Ok(mut current) = self.current.lock() {
+            current.finish_and_clear();
+            *current = bar;
+        }
+    }
+
+    fn advance(&self, done: u64) -> Result<()> {
+        if let Ok(current) = self.current.lock() {
+            reveal(&current, self.began);
+            current.inc(done);
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        if let Ok(current) = self.current.lock() {
+            current.finish_and_clear();
+        }
+    }
+}
+
+/// A bar that nobody sees until [`reveal`].
+pub fn hidden(total: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{elapsed_precise} {wide_bar} {pos}/{len} {msg}");
+    let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
+    match style {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+/// Shows a bar once its operation has run for a second. On anything but a terminal it stays hidden by itself.
+pub fn reveal(bar: &ProgressBar, began: Instant) {
+    if bar.is_hidden() && began.elapsed() > PATIENCE {
+        bar.set_draw_target(ProgressDrawTarget::stderr());
+    }
+}

@@ -1,0 +1,148 @@
+//! What `prt bench` measures when nobody says otherwise.
+
+use crate::signal::{Signal, Spec};
+use prt_transfer::LightBasis;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// How much to measure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// Half a minute: one tiny scene.
+    Quick,
+    /// Within three minutes on two cores, precomputation included.
+    Standard,
+    /// As long as it takes: every scene, denser, more parameters.
+    Full,
+}
+
+/// Where a matrix comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// A built-in scene with about so many vertices, or a mesh file with its own.
+    Scene {
+        /// Name or path.
+        scene: String,
+        /// Of a built-in scene.
+        vertices: Option<usize>,
+        /// What is precomputed.
+        spec: Spec,
+    },
+    /// A matrix file.
+    Matrix(PathBuf),
+}
+
+/// What to measure, in order: every method on every origin.
+#[derive(Clone, Debug)]
+pub struct Suite {
+    /// Matrices.
+    pub origins: Vec<Origin>,
+    /// Labels.
+    pub methods: Vec<String>,
+    /// Time for each of the four relighting figures of a row.
+    pub budget: Duration,
+}
+
+/// Curved, flat, and curved with ears: the worst and the best case of methods that look for structure.
+const SCENES: [&str; 3] = ["teapot", "temple", "blob"];
+const QUICK_SCENES: [&str; 1] = ["teapot"];
+const FULL_SCENES: [&str; 7] = ["teapot", "cornell", "polygons", "temple", "chair", "bumpy", "blob"];
+
+/// The rivals that a reader will think of, exact and not.
+const RIVALS: [&str; 4] = ["dense", "csr", "compact", "f16"];
+const QUICK_METHODS: [&str; 3] = ["haar+truncate:terms=16", "haar+truncate:terms=64", "sh:order=5+dense"];
+const METHODS: [&str; 9] = [
+    "truncate:terms=64",
+    "haar+truncate:terms=16",
+    "haar+truncate:terms=32",
+    "haar+truncate:terms=64",
+    "haar+truncate:terms=128",
+    "haar+truncate:terms=256",
+    "sh:order=3+dense",
+    "sh:order=5+dense",
+    "sh:order=8+dense",
+];
+const FULL_METHODS: [&str; 7] = [
+    "truncate:terms=16",
+    "truncate:terms=256",
+    "haar+csr",
+    "haar+truncate:terms=512",
+    "haar:scale=sphere+truncate:terms=64",
+    "haar:scale=sphere+truncate:terms=256",
+    "sh:order=10+dense",
+];
+
+/// A dense matrix above this many bytes is not tried: it would measure the machine's swapping.
+pub const DENSE_LIMIT: u64 = 1 << 30;
+
+impl Suite {
+    /// The usual suite of a size, with scenes or methods of the user's in place of its own where there are any.
+    pub fn new(size: Size, scenes: &[String], methods: &[String]) -> Suite {
+        let (usual, vertices, resolution, budget) = match size {
+            Size::Quick => (&QUICK_SCENES[..], 150, 16, 40),
+            Size::Standard => (&SCENES[..], 800, 32, 120),
+            Size::Full => (&FULL_SCENES[..], 3000, 32, 500),
+        };
+        let scenes = if scenes.is_empty() { owned(usual) } else { scenes.to_vec() };
+        let basis = LightBasis::Cubemap { resolution };
+        let origins = scenes.iter().flat_map(|scene| origins(scene, vertices, &basis)).collect();
+        let methods = if methods.is_empty() { usual_methods(size) } else { methods.to_vec() };
+        Suite { origins, methods, budget: Duration::from_millis(budget) }
+    }
+}
+
+fn usual_methods(size: Size) -> Vec<String> {
+    let mut methods = owned(&RIVALS);
+    match size {
+        Size::Quick => methods.extend(owned(&QUICK_METHODS)),
+        Size::Standard => methods.extend(owned(&METHODS)),
+        Size::Full => methods.extend(owned(&[&METHODS[..], &FULL_METHODS[..]].concat())),
+    }
+    methods
+}
+
+fn owned(names: &[&str]) -> Vec<String> {
+    names.iter().map(|&name| name.into()).collect()
+}
+
+/// Both signals of a scene; a matrix file as it is.
+fn origins(scene: &str, vertices: usize, basis: &LightBasis) -> Vec<Origin> {
+    let path = Path::new(scene);
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match extension.as_str() {
+        "npz" | "npy" | "mtx" => vec![Origin::Matrix(path.into())],
+        mesh => [Signal::Biscale, Signal::Diffuse]
+            .map(|signal| Origin::Scene {
+                scene: scene.into(),
+                vertices: mesh.is_empty().then_some(vertices),
+                spec: Spec::new(signal, basis.clone()),
+            })
+            .into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use prt_transfer::Label;
+
+    #[test]
+    fn every_label_of_every_suite_is_in_its_shortest_form_and_there_once() {
+        for size in [Size::Quick, Size::Standard, Size::Full] {
+            let methods = Suite::new(size, &[], &[]).methods;
+            for (i, method) in methods.iter().enumerate() {
+                assert_eq!(&method.parse::<Label>().unwrap().to_string(), method);
+                assert!(!methods[..i].contains(method), "{method}");
+            }
+            assert!(methods.iter().any(|m| m == "csr"), "the exact reference");
+        }
+    }
+
+    #[test]
+    fn a_scene_of_the_user_replaces_the_usual_ones_and_a_matrix_needs_no_signal() {
+        let suite = Suite::new(Size::Quick, &["bunny.ply".into(), "T.NPZ".into()], &["csr".into()]);
+        assert_eq!((suite.origins.len(), suite.methods), (3, vec!["csr".to_string()]));
+        assert_eq!(suite.origins[2], Origin::Matrix("T.NPZ".into()));
+        let Origin::Scene { vertices: None, .. } = &suite.origins[0] else { panic!("a mesh keeps its vertices") };
+    }
+}

@@ -1,0 +1,97 @@
+//! The table on the terminal, within 120 columns.
+
+use crate::bench::Group;
+use crate::number::{bytes, count, short};
+use crate::row::Row;
+use comfy_table::{Cell, CellAlignment, ColumnConstraint, ContentArrangement, LineStyle, Table, TableStyle};
+
+/// A column: its title, and its figure as a person reads it, where there is one.
+pub type Column = (&'static str, fn(&Row) -> Option<String>);
+
+/// The table's columns besides the method, on the terminal and in the report.
+pub const COLUMNS: [Column; 11] = [
+    ("resident", |r| r.resident_bytes.map(bytes)),
+    ("file", |r| r.file_bytes.map(bytes)),
+    ("B/nnz", |r| r.bytes_per_non_zero.map(short)),
+    ("FLOPs", |r| r.flops().map(count)),
+    ("error", |r| r.error.map(short)),
+    ("sphere", |r| r.error_sphere.map(short)),
+    ("sky", |r| r.error_relit_sky.map(short)),
+    ("room", |r| r.error_relit_room.map(short)),
+    ("encode s", |r| r.encode_s.map(short)),
+    ("1 thr ms", |r| r.relight_1_ms.map(short)),
+    ("all ms", |r| r.relight_all_ms.map(short)),
+];
+
+/// What the columns mean, in a line.
+pub const LEGEND: &str = "error: Σ(T-T̃)²/ΣT²; sphere: the same over the sphere; sky, room: of relit output; \
+relighting: one channel, median";
+
+/// Columns of a terminal that everybody has.
+const WIDTH: u16 = 120;
+
+/// Title, rows and the reasons of those that failed.
+pub fn of(group: &Group) -> String {
+    let mut table = Table::new();
+    table
+        .load_style(TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─')))
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_width(WIDTH);
+    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
+    let titles = COLUMNS.iter().map(|(title, _)| right(title.to_string()));
+    table.set_header(std::iter::once(Cell::new("method")).chain(titles));
+    for row in &group.rows {
+        let figures = COLUMNS.iter().enumerate().map(|(i, (_, figure))| match (row.is_ok(), i) {
+            (true, _) => right(figure(row).unwrap_or_else(|| "-".into())),
+            (false, 0) => right("failed".into()),
+            (false, _) => right("-".into()),
+        });
+        table.add_row(std::iter::once(Cell::new(&row.method)).chain(figures));
+    }
+    for (i, column) in table.column_iter_mut().enumerate() {
+        column.set_padding((0, 1));
+        // A long label is broken, a figure never.
+        if i > 0 {
+            column.set_constraint(ColumnConstraint::ContentWidth);
+        }
+    }
+    let failed = group.rows.iter().filter(|r| !r.is_ok()).map(|r| format!("{}: {}", r.method, r.reason));
+    let body = table.lines().map(|line| line.trim_end().to_string());
+    let parts = [format!("\n{}", group.title)].into_iter().chain(body).chain(failed);
+    parts.collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::row::Status;
+
+    #[test]
+    fn the_widest_figures_fit_in_120_columns_and_a_failure_gives_its_reason() {
+        let (number, time, size) = (Some(9.99e-12), Some(9.99e-4), Some(999_999_999_u64));
+        let row = Row {
+            method: "haar:scale=sphere+truncate:terms=256".into(),
+            status: Status::Ok,
+            encode_s: time,
+            resident_bytes: size,
+            file_bytes: size,
+            bytes_per_non_zero: Some(12.3),
+            multiplications: size,
+            additions: size,
+            error: number,
+            error_sphere: number,
+            error_relit_sky: number,
+            error_relit_room: number,
+            relight_1_ms: time,
+            relight_all_ms: time,
+            ..Row::default()
+        };
+        let failed = Row { method: "dense".into(), ..Row::default() }.failed("would need 9 GB");
+        let text = of(&Group { title: "teapot".into(), file_name: String::new(), rows: vec![row, failed] });
+        let widest = text.lines().map(|l| l.chars().count()).max().unwrap();
+        assert!(widest <= 120, "{widest}\n{text}");
+        assert!(text.contains("9.99e-12"), "no figure is broken\n{text}");
+        assert!(text.ends_with("dense: would need 9 GB"), "{text}");
+        assert!(text.lines().any(|l| l.starts_with("dense") && l.contains("failed")), "{text}");
+    }
+}

@@ -1,0 +1,174 @@
+//! The program as a user meets it: exit codes, one sentence of failure, files that agree with each other.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn prt(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_prt")).args(arguments).current_dir(folder).output().expect("prt runs")
+}
+
+/// Standard output of a run that must succeed.
+fn done(arguments: &[&str], folder: &Path) -> String {
+    let output = prt(arguments, folder);
+    let errors = String::from_utf8_lossy(&output.stderr).to_string();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {errors}");
+    assert_eq!(errors, "", "quiet where standard error is no terminal");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The one sentence of a run that must fail with this code.
+fn refused(code: i32, arguments: &[&str], folder: &Path) -> String {
+    let output = prt(arguments, folder);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
+    assert_eq!(output.stdout, b"", "{arguments:?}");
+    errors
+}
+
+/// The first built-in scene.
+fn scene(folder: &Path) -> String {
+    let list: Value = serde_json::from_str(&done(&["scenes", "--json"], folder)).unwrap();
+    list["scenes"][0]["name"].as_str().unwrap().to_string()
+}
+
+fn precompute(folder: &Path, signal: &str, file: &str) -> Value {
+    let scene = scene(folder);
+    let arguments =
+        ["precompute", &scene, "--signal", signal, "--basis", "cubemap:8", "--vertices", "80", "-o", file, "--json"];
+    serde_json::from_str(&done(&arguments, folder)).unwrap()
+}
+
+#[test]
+fn a_matrix_goes_through_every_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let made = precompute(folder, "biscale", "T.npz");
+    assert_eq!((&made["responses"], &made["lights"]), (&64.into(), &384.into()));
+    let written = done(&["encode", "csr", "T.npz", "-o", "T.prt", "--json"], folder);
+    let told = done(&["info", "T.prt", "--json"], folder);
+    assert_eq!(written, told);
+
+    let info: Value = serde_json::from_str(&told).unwrap();
+    assert_eq!(info["label"], "csr");
+    for name in ["samples", "responses", "lights"] {
+        assert_eq!(info[name], made[name]);
+    }
+    assert_eq!(info["file_bytes"], folder.join("T.prt").metadata().unwrap().len());
+    let sections = info["sections"].as_object().unwrap();
+    assert_eq!(info["resident_bytes"], sections.values().map(|v| v.as_u64().unwrap()).sum::<u64>());
+    assert_eq!((&info["multiplications"], &info["additions"]), (&made["non_zeros"], &made["non_zeros"]));
+
+    // What was decoded compresses to the same bytes.
+    done(&["decode", "T.prt", "-o", "T2.npz"], folder);
+    done(&["encode", "csr", "T2.npz", "-o", "T2.prt"], folder);
+    let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    assert_eq!(bytes("T.prt"), bytes("T2.prt"));
+
+    done(&["relight", "T.prt", "--light", "sky", "-o", "y.npy"], folder);
+    done(&["--threads", "1", "relight", "T.prt", "--light", "sky", "-o", "y1.npy"], folder);
+    assert_eq!(bytes("y.npy"), bytes("y1.npy"), "any number of threads gives the same");
+}
+
+#[test]
+fn failures_are_one_sentence_with_the_place_and_leave_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    precompute(folder, "diffuse", "T.npz");
+    std::fs::write(folder.join("broken.prt"), "nothing of the kind").unwrap();
+    for (arguments, part) in [
+        (&["encode", "csr", "absent.npz", "-o", "out.prt"][..], "absent.npz"),
+        (&["encode", "nothing", "T.npz", "-o", "out.prt"], "unknown codec 'nothing'"),
+        (&["encode", "csr:terms=3", "T.npz", "-o", "out.prt"], "terms"),
+        (&["encode", "a+b+c", "T.npz", "-o", "out.prt"], "3 stages"),
+        (&["encode", "csr", "T.npz", "-o", "out.prt", "--basis", "sh:5"], "384"),
+        (&["info", "broken.prt"], "broken.prt"),
+        (&["decode", "broken.prt", "-o", "out.npz"], "broken.prt"),
+        (&["precompute", "nowhere", "--signal", "diffuse", "-o", "out.npz"], "nowhere"),
+        (&["bench", "--scene", "nowhere"], "unknown scene 'nowhere'"),
+        (&["bench", "--method", "nothing"], "unknown codec 'nothing'"),
+    ] {
+        let message = refused(1, arguments, folder);
+        assert!(message.starts_with("prt: ") && message.contains(part), "{arguments:?}: {message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
+    let left: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert!(!left.iter().any(|name| name.to_string_lossy().starts_with("out")), "{left:?}");
+}
+
+#[test]
+fn wrong_usage_is_told_apart_from_failure() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        &["unknown"][..],
+        &["bench", "--unknown"],
+        &["bench", "--quick", "--full"],
+        &["--threads", "0", "scenes"],
+        &["precompute", "x", "-o", "T.npz"],
+        &["precompute", "x", "--signal", "glossy", "-o", "T.npz"],
+        &["precompute", "x", "--signal", "diffuse", "--vertices", "0", "-o", "T.npz"],
+        &["encode", "csr", "T.npz", "-o", "T.prt", "--basis", "cube"],
+        &["info"],
+    ] {
+        assert!(refused(2, arguments, folder.path()).contains("--help"), "{arguments:?}");
+    }
+}
+
+#[test]
+fn every_command_helps_with_an_example() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["bench", "precompute", "encode", "decode", "relight", "info", "scenes", "methods"] {
+        let help = done(&[command, "--help"], folder.path());
+        assert!(help.contains("Example") && help.contains(&format!("prt {command}")), "{help}");
+    }
+}
+
+#[test]
+fn a_bench_writes_everything_and_never_measures_a_row_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    precompute(folder, "diffuse", "T.npz");
+    let arguments = ["bench", "--quick", "--scene", "T.npz", "--method", "csr", "--out", "out", "--json"];
+    let first: Value = serde_json::from_str(&done(&arguments, folder)).unwrap();
+    let row = &first[0];
+    assert_eq!((row["status"].as_str(), row["error"].as_f64()), (Some("ok"), Some(0.0)));
+    let path = |name: &str| folder.join("out").join(name);
+    let csv = std::fs::read_to_string(path("results.csv")).unwrap();
+    assert_eq!(csv.lines().count(), 2, "{csv}");
+    for name in ["machine.json", "report.html"] {
+        assert!(path(name).metadata().unwrap().len() > 0, "{name}");
+    }
+    for name in ["speed", "storage", "encode"] {
+        for extension in ["svg", "png", "csv"] {
+            assert!(path("charts").join(format!("T.npz-{name}.{extension}")).exists(), "{name}.{extension}");
+        }
+    }
+    // Times differ from run to run: the same file means that nothing was measured.
+    let second: Value = serde_json::from_str(&done(&arguments, folder)).unwrap();
+    assert_eq!(first, second);
+    assert_eq!(std::fs::read_to_string(path("results.csv")).unwrap(), csv);
+    // Another matrix under the same name is another measurement.
+    precompute(folder, "biscale", "T.npz");
+    let third: Value = serde_json::from_str(&done(&arguments, folder)).unwrap();
+    assert_ne!(first[0]["fingerprint"], third[0]["fingerprint"]);
+    assert_ne!(first[0]["relight_1_ms"], third[0]["relight_1_ms"]);
+}
+
+#[test]
+fn what_fails_is_a_row_with_its_reason_and_nothing_but_failures_is_a_failure() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    precompute(folder, "diffuse", "T.npz");
+    std::fs::write(folder.join("bad.npz"), "no archive").unwrap();
+    let bad = ["bench", "--quick", "--scene", "bad.npz", "--method", "csr", "--out", "out"];
+    let output = prt(&bad, folder);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(String::from_utf8(output.stderr).unwrap().lines().count(), 1);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert!(table.contains("failed") && table.contains("csr: bad.npz"), "{table}");
+
+    let table = done(&[&bad[..], &["--scene", "T.npz"]].concat(), folder);
+    assert!(table.contains("csr: bad.npz") && table.contains("T.npz · file · cubemap:8"), "{table}");
+    let csv = std::fs::read_to_string(folder.join("out/results.csv")).unwrap();
+    assert!(csv.contains(",failed,") && csv.contains(",ok,"), "{csv}");
+}
