@@ -1,12 +1,23 @@
-//! Scenes, visibility and signals.
+//! Scenes, visibility and the signals that are computed from them.
+//!
+//! A [`shapes`] scene or a loaded mesh is [`repair`]ed and given [`frames`]; [`bvh::Occluders`] answer which [`directions`] its
+//! points see ([`visibility`]); [`mod@biscale`] and [`mod@diffuse`] turn that into transfer matrices. [`lights`] relight them.
 
 pub mod bvh;
 pub mod directions;
 mod edges;
+pub mod environment;
 mod exact;
+pub mod frames;
 mod grid;
+pub mod lights;
 pub mod ray;
+pub mod repair;
+pub mod resample;
+mod room;
 mod scattered;
+pub mod shapes;
+mod sky;
 mod sweep;
 pub mod visibility;
 mod visibility_kernel;
