@@ -1,37 +1,60 @@
-//! OpenEXR through the `exr` crate.
+//! OpenEXR through the `exr` crate, block by block.
+//!
+//! The crate's own image reader trusts some numbers inside a block, so that a damaged file could abort the program by asking
+//! for gigabytes. Here each block's claims are checked before the crate decompresses it.
 
 use super::broken;
 use super::image::{Precision, affordable};
 use crate::error::{Error, Result};
 use crate::image::Image;
+use exr::block::chunk::{Chunk, CompressedBlock, TileCoordinates};
+use exr::block::reader::ChunksReader;
+use exr::block::{BlockIndex, UncompressedBlock};
+use exr::meta::attribute::ChannelList;
 use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Layer, LayerAttributes, LineOrder,
-    ReadChannels, ReadLayers, Vec2, WritableImage,
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Layer, LayerAttributes, LineOrder, MetaData,
+    SampleType, Vec2, WritableImage,
 };
 use half::f16;
+use rayon::prelude::*;
+use std::collections::HashSet;
 use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 pub(super) fn read(bytes: &[u8]) -> Result<Image> {
-    let chunks = exr::block::read(Cursor::new(bytes), false).map_err(wrong)?;
-    chunks.headers().iter().try_for_each(|header| check(header, bytes.len()))?;
-    let layers = exr::image::read::read().no_deep_data().largest_resolution_level().all_channels().all_layers();
-    // On this thread: the crate would make a thread pool of its own for every file.
-    let image = layers.all_attributes().non_parallel().from_chunks(chunks).map_err(wrong)?;
-    let colour = image.layer_data.iter().find_map(|layer| Some((layer, colour(&layer.channel_data)?)));
-    let Some((layer, channels)) = colour else {
-        let names = image.layer_data.iter().flat_map(|l| &l.channel_data.list).map(|c| c.name.to_string());
-        let names = names.collect::<Vec<_>>().join(", ");
-        return Err(broken("exr", "channels", "R, G and B, or Y, without sub-sampling", names));
+    let file = exr::block::read(Cursor::new(bytes), false).map_err(wrong)?;
+    file.headers().iter().try_for_each(|header| check(header, bytes.len()))?;
+    let found = file.headers().iter().enumerate().find_map(|(i, header)| Some((i, colour(&header.channels)?)));
+    let Some((layer, channels)) = found else {
+        let names = file.headers().iter().flat_map(|h| &h.channels.list).map(|c| c.name.to_string());
+        let expected = "R, G and B, or Y, without sub-sampling";
+        return Err(broken("exr", "channels", expected, names.collect::<Vec<_>>().join(", ")));
     };
+    let header = &file.headers()[layer];
+    let display = header.shared_attributes.display_window;
+    let Vec2(width, height) = display.size;
+    affordable("exr", width, height, 12, bytes.len())?;
     // Where the data window lies inside the display window.
-    let display = image.attributes.display_window;
-    let offset = layer.attributes.layer_position - display.position;
-    affordable("exr", display.size.0, display.size.1, 12, bytes.len())?;
-    Ok(place(layer, channels, display.size, offset))
+    let offset = header.own_attributes.layer_position - display.position;
+    let wanted = |_: &MetaData, tile: TileCoordinates, block: BlockIndex| {
+        block.layer == layer && tile.is_largest_resolution_level()
+    };
+    let mut chunks = file.filter_chunks(false, wanted).map_err(wrong)?;
+    let compressed = chunks.by_ref().collect::<exr::error::Result<Vec<Chunk>>>().map_err(wrong)?;
+    let meta = chunks.meta_data();
+    let blocks = compressed.into_par_iter().map(|chunk| decompress(chunk, meta, layer)).collect::<Result<Vec<_>>>()?;
+    let mut places = HashSet::new();
+    if let Some(twice) = blocks.iter().find(|block| !places.insert(block.index.pixel_position)) {
+        let Vec2(x, y) = twice.index.pixel_position;
+        return Err(broken("exr", "blocks", "each block once", format!("two at {x}, {y}")));
+    }
+    let mut image = Image { width, height, pixels: vec![[0.0; 3]; width * height] };
+    blocks.iter().for_each(|block| place(block, &meta.headers[layer].channels, channels, offset, &mut image));
+    Ok(image)
 }
 
-/// Sizes that the file's own length makes plausible, and nothing that the crate could stumble on.
+/// Sizes that the file's own length makes plausible.
 fn check(header: &Header, length: usize) -> Result<()> {
     if header.deep {
         return Err(broken("exr", "header", "flat pixels", "deep data"));
@@ -41,47 +64,99 @@ fn check(header: &Header, length: usize) -> Result<()> {
         let most = format!("at most {} chunks in a file of {length} bytes", length / 16);
         return Err(broken("exr", "header", most, header.chunk_count.to_string()));
     }
+    let pixel = header.channels.bytes_per_pixel;
     let Vec2(width, height) = header.layer_size;
-    let sampled = header.channels.list.iter().map(|c| c.sample_type.bytes_per_sample()).sum();
-    affordable("exr", width, height, sampled, length)
+    affordable("exr", width, height, pixel, length)?;
+    let Vec2(width, height) = header.max_block_pixel_size();
+    affordable("exr", width, height, pixel, length)
 }
 
-/// R, G, B of a layer: plain, else of the first named group that has all three (`Combined.R`); Y three times where there is
-/// none.
-fn colour(channels: &AnyChannels<FlatSamples>) -> Option<[&AnyChannel<FlatSamples>; 3]> {
-    let find = |prefix: &str, letter: &str| {
-        let named = |c: &&AnyChannel<FlatSamples>| c.name.to_string() == format!("{prefix}{letter}");
-        channels.list.iter().find(named).filter(|c| c.sampling == Vec2(1, 1))
-    };
+/// Positions of R, G, B in a list without sub-sampling: plain names, else Y three times, else the first named group that has
+/// all three (`Combined.R`).
+fn colour(channels: &ChannelList) -> Option<[usize; 3]> {
+    if channels.list.iter().any(|c| c.sampling != Vec2(1, 1)) {
+        return None;
+    }
+    let names: Vec<String> = channels.list.iter().map(|c| c.name.to_string()).collect();
+    let find = |prefix: &str, letter: &str| names.iter().position(|name| *name == format!("{prefix}{letter}"));
     let group = |prefix: &str| Some([find(prefix, "R")?, find(prefix, "G")?, find(prefix, "B")?]);
-    let named = || {
-        let prefixes = channels.list.iter().filter_map(|c| c.name.to_string().strip_suffix('R').map(String::from));
-        prefixes.filter(|prefix| prefix.ends_with('.')).find_map(|prefix| group(&prefix))
-    };
-    group("").or_else(|| find("", "Y").map(|y| [y; 3])).or_else(named)
+    let prefixes = || names.iter().filter_map(|name| name.strip_suffix('R')).filter(|prefix| prefix.ends_with('.'));
+    group("").or_else(|| find("", "Y").map(|y| [y; 3])).or_else(|| prefixes().find_map(group))
 }
 
-/// The layer's pixels inside the display window; black around them.
+fn decompress(chunk: Chunk, meta: &MetaData, layer: usize) -> Result<UncompressedBlock> {
+    if chunk.layer_index != layer {
+        return Err(broken("exr", "blocks", format!("a block of part {layer}"), chunk.layer_index.to_string()));
+    }
+    let header = &meta.headers[layer];
+    if matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_)) {
+        check_dwa(&chunk.compressed_block, header)?;
+    }
+    // The crate asserts where it could return an error (B44 differences that wrap, in builds that check overflow).
+    let decoded = catch_unwind(AssertUnwindSafe(|| UncompressedBlock::decompress_chunk(chunk, meta, false)));
+    let block = decoded.map_err(|_| broken("exr", "blocks", "compressed pixels", "damaged ones"))?.map_err(wrong)?;
+    if block.index.level != Vec2(0, 0) {
+        return Err(broken("exr", "blocks", "the largest level", format!("level {:?}", block.index.level)));
+    }
+    Ok(block)
+}
+
+/// The counters that open a DWA block (all but the first, the version, and the last, the kind of coding) may not exceed what
+/// its pixels, padded to 8 x 8, can need: the crate allocates what they say.
+fn check_dwa(block: &CompressedBlock, header: &Header) -> Result<()> {
+    let tile = header.get_block_data_indices(block).map_err(wrong)?;
+    let Vec2(width, height) = header.get_absolute_block_pixel_coordinates(tile).map_err(wrong)?.size;
+    let payload = match block {
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        _ => return Err(broken("exr", "blocks", "flat pixels", "deep data")),
+    };
+    // Pixels that would not shrink are stored as they are.
+    if payload.len() == width * height * header.channels.bytes_per_pixel {
+        return Ok(());
+    }
+    let samples = width.next_multiple_of(8) * height.next_multiple_of(8) * header.channels.list.len();
+    // Four bytes a sample; run lengths of incompressible bytes add one in 127.
+    let limit = samples as u64 * 5 + 1024;
+    let counters = payload.as_chunks::<8>().0.iter().map(|&c| u64::from_le_bytes(c));
+    match counters.take(10).skip(1).find(|&count| count > limit) {
+        Some(count) => Err(broken("exr", "blocks", format!("DWA counters of at most {limit}"), count.to_string())),
+        None => Ok(()),
+    }
+}
+
+/// Copies a block's pixels to where they lie inside the display window.
 fn place(
-    layer: &Layer<AnyChannels<FlatSamples>>,
-    channels: [&AnyChannel<FlatSamples>; 3],
-    Vec2(width, height): Vec2<usize>,
+    block: &UncompressedBlock,
+    list: &ChannelList,
+    channels: [usize; 3],
     Vec2(left, top): Vec2<i32>,
-) -> Image {
-    let mut pixels = vec![[0f32; 3]; width * height];
-    for (c, channel) in channels.iter().enumerate() {
-        for (i, value) in channel.sample_data.values_as_f32().enumerate() {
-            let x = usize::try_from((i % layer.size.0) as i64 + i64::from(left));
-            let y = usize::try_from((i / layer.size.0) as i64 + i64::from(top));
-            if let (Ok(x), Ok(y)) = (x, y)
-                && x < width
-                && y < height
-            {
-                pixels[y * width + x][c] = value;
+    image: &mut Image,
+) {
+    for line in block.lines(list) {
+        let Vec2(x, y) = line.location.position;
+        let (x, y) = (x as i64 + i64::from(left), y as i64 + i64::from(top));
+        if !(0..image.height as i64).contains(&y) {
+            continue;
+        }
+        let row = &mut image.pixels[y as usize * image.width..][..image.width];
+        for c in (0..3).filter(|&c| channels[c] == line.location.channel) {
+            let mut put = |i: usize, value: f32| {
+                if let Some(pixel) = usize::try_from(x + i as i64).ok().and_then(|x| row.get_mut(x)) {
+                    pixel[c] = value;
+                }
+            };
+            let words = line.value.as_chunks::<4>().0.iter().enumerate();
+            match list.list[line.location.channel].sample_type {
+                SampleType::F16 => {
+                    let halves = line.value.as_chunks::<2>().0.iter().enumerate();
+                    halves.for_each(|(i, &h)| put(i, f16::from_ne_bytes(h).to_f32()));
+                }
+                SampleType::F32 => words.for_each(|(i, &w)| put(i, f32::from_ne_bytes(w))),
+                SampleType::U32 => words.for_each(|(i, &w)| put(i, u32::from_ne_bytes(w) as f32)),
             }
         }
     }
-    Image { width, height, pixels }
 }
 
 pub(super) fn bytes(image: &Image, precision: Precision) -> Result<Vec<u8>> {
