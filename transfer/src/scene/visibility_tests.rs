@@ -1,14 +1,14 @@
 //! Promises of the visibility engine: closed forms, identities, and second computations.
 
 use super::bvh::Occluders;
-use super::directions::{Directions, TILE};
+use super::directions::{Directions, tests::each};
 use super::exact;
 use super::sweep::Sweep;
 use super::visibility_kernel::{Portable, Task};
-use crate::basis::{LightBasis, cubemap_direction};
+use crate::basis::LightBasis;
 use crate::error::Error;
 use crate::mesh::Mesh;
-use glam::{DVec3, EulerRot, Quat, Vec3};
+use glam::{EulerRot, Quat, Vec3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
@@ -59,14 +59,6 @@ fn masks(occluders: &Occluders, origin: Vec3, normal: Vec3, directions: &Directi
     let above = each(directions).filter(|&(_, _, d)| d.dot(normal) > 0.0).count();
     assert_eq!(rays, above as u64);
     out
-}
-
-/// Tile, bit and direction of each direction.
-fn each(directions: &Directions) -> impl Iterator<Item = (usize, usize, Vec3)> {
-    (0..directions.tiles())
-        .flat_map(|tile| (0..TILE).map(move |bit| (tile, bit)))
-        .filter(|&(tile, bit)| directions.filled(tile) >> bit & 1 == 1)
-        .map(|(tile, bit)| (tile, bit, directions.direction(tile, bit)))
 }
 
 fn count(masks: &[u64]) -> u32 {
@@ -306,25 +298,6 @@ proptest! {
         // Coordinates near 100 are rounded by 4e-6: 1e-4 of a texel or so, over some thousands of texels.
         prop_assert!(differ(moved(&|p| p + Vec3::from_array(shift))) <= 12);
     }
-
-    #[test]
-    fn lists_of_directions_keep_each_of_them_once(
-        list in prop::collection::vec(prop::array::uniform3(-2f32..2.0), 0..500), copies in 1usize..4,
-    ) {
-        let list: Vec<Vec3> = list.into_iter().map(Vec3::from_array).filter(|d| d.length() > 1e-3).collect();
-        let list = list.repeat(copies);
-        let directions = Directions::new(&list).unwrap();
-        let mut found: Vec<_> = each(&directions).map(|(tile, bit, d)| (directions.index(tile, bit), d)).collect();
-        found.sort_by_key(|&(index, _)| index);
-        prop_assert_eq!(found.len(), list.len());
-        prop_assert_eq!(directions.count(), list.len());
-        for (k, (index, d)) in found.into_iter().enumerate() {
-            prop_assert_eq!(index, k);
-            prop_assert!((d - list[k].normalize()).length() < 1e-6);
-        }
-        let all: Vec<u64> = (0..directions.tiles()).map(|_| !0).collect();
-        prop_assert_eq!(directions.indices(&all).count(), list.len());
-    }
 }
 
 #[test]
@@ -342,34 +315,6 @@ fn planes_and_needles_are_traced_like_anything_else() {
     }
     assert!(occluders.occluded(Vec3::ZERO, Vec3::Z));
     assert!(!occluders.occluded(Vec3::ZERO, Vec3::NEG_Z));
-}
-
-#[test]
-fn cubemap_directions_lie_in_their_texels() {
-    for (resolution, supersampling) in [(1, 1), (7, 3), (32, 2), (33, 4)] {
-        let directions = Directions::cubemap(resolution, supersampling).unwrap();
-        let mut samples = vec![0; 6 * resolution * resolution];
-        for (tile, bit, d) in each(&directions) {
-            let texel = directions.index(tile, bit);
-            let (face, row, column) =
-                (texel / resolution / resolution, texel / resolution % resolution, texel % resolution);
-            let edge = |i: usize, by: f64| 2.0 * (i as f64 + 0.5 + by) / resolution as f64 - 1.0;
-            let reach = (1.0 - 1.0 / supersampling as f64) / 2.0 + 1e-4;
-            let corner = |x: f64, y: f64| DVec3::from_array(cubemap_direction(face, edge(column, x), edge(row, y)));
-            let corners = [corner(-reach, -reach), corner(reach, -reach), corner(reach, reach), corner(-reach, reach)];
-            let inside = (0..4).map(|k| corners[k].cross(corners[(k + 1) % 4]).dot(d.as_dvec3()) > 0.0);
-            let inside = inside.fold(0, |sum, s| sum + i32::from(s));
-            assert!(inside == 0 || inside == 4, "texel {texel}: {d}");
-            assert!((d.length() - 1.0).abs() < 1e-6);
-            samples[texel] += 1;
-        }
-        assert!(samples.iter().all(|&n| n == supersampling * supersampling));
-    }
-    let centres = LightBasis::Cubemap { resolution: 6 }.directions().unwrap();
-    let directions = Directions::cubemap(6, 1).unwrap();
-    for (tile, bit, d) in each(&directions) {
-        assert_eq!(d, DVec3::from_array(centres[directions.index(tile, bit)]).as_vec3());
-    }
 }
 
 #[test]
