@@ -50,8 +50,9 @@ pub fn prepare(folder: &Path, origin: &Origin, progress: &dyn Progress) -> anyho
             if let Some(about) = kept.filter(|_| path.exists()) {
                 return Ok(Prepared { about, path, matrix: None });
             }
-            let scenes::Precomputed { matrix, rays, seconds } = scenes::precompute(scene, *vertices, spec, progress)?;
-            let about = About::of(&matrix, rays, seconds);
+            let made = scenes::precompute(scene, *vertices, spec, progress)?;
+            let about = About::of(&made.matrix, made.traced.rays, made.seconds);
+            let matrix = made.matrix;
             files::write_matrix(&path, &matrix)?;
             // Last, since it vouches for the matrix.
             files::write_beside(&description_of(&path), &serde_json::to_vec_pretty(&about)?)?;

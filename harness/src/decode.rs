@@ -24,7 +24,7 @@ pub struct Decode {
 /// Runs the command.
 pub fn run(arguments: &Decode) -> anyhow::Result<()> {
     let compressed = files::read_prt(&arguments.input, &registry())?;
-    files::write_matrix(&arguments.output, &matrix(&compressed, &Bar::default())?)
+    Ok(files::write_matrix(&arguments.output, &matrix(&compressed, &Bar::default())?)?)
 }
 
 /// Rows decoded between two reports, and held twice while they are put together.

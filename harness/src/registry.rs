@@ -1,12 +1,25 @@
 //! The one place where the program learns of its methods.
 
+use prt_transfer::compact::Compact;
 use prt_transfer::csr::Csr;
+use prt_transfer::dense::Dense;
+use prt_transfer::f16::F16;
+use prt_transfer::sh::Sh;
 use prt_transfer::transform::Identity;
 use prt_transfer::{Label, Method, Registry, Result};
+use prt_wavelet::{Haar, Truncate};
 
 /// Every light transform and codec of the workspace, in the order in which `prt methods` lists them.
 pub fn registry() -> Registry {
-    Registry::new().transform::<Identity>().codec::<Csr>()
+    Registry::new()
+        .transform::<Identity>()
+        .transform::<Sh>()
+        .transform::<Haar>()
+        .codec::<Dense>()
+        .codec::<Csr>()
+        .codec::<Compact>()
+        .codec::<F16>()
+        .codec::<Truncate>()
 }
 
 /// The method that a label's text describes.

@@ -4,7 +4,7 @@ use crate::registry::registry;
 use crate::{files, scenes};
 use clap::Args;
 use ndarray::Array2;
-use prt_transfer::{Error, LightBasis};
+use prt_transfer::{Error, LightBasis, Result};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `prt relight`.
@@ -35,14 +35,14 @@ pub fn run(arguments: &Relight) -> anyhow::Result<()> {
     )?;
     let mut out = Array2::zeros((compressed.shape().rows(), light.ncols()));
     compressed.apply_into(light.view(), out.view_mut())?;
-    files::write_array(&arguments.output, out.view())
+    Ok(files::write_array(&arguments.output, out.view())?)
 }
 
 /// Light coefficients, lights x channels: as a file has them, or projected onto `basis`.
-fn light(name: &str, basis: &LightBasis) -> anyhow::Result<Array2<f32>> {
+fn light(name: &str, basis: &LightBasis) -> Result<Array2<f32>> {
     let path = Path::new(name);
     match path.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("npy") => files::read_lights(path),
-        _ => Ok(scenes::light(name, basis)?),
+        _ => scenes::light(name, basis),
     }
 }

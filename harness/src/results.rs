@@ -35,7 +35,7 @@ impl Results {
             Some(old) => *old = row,
             None => self.rows.push(row),
         }
-        files::write_beside(&self.path, &to_csv(&self.rows)?)
+        Ok(files::write_beside(&self.path, &to_csv(&self.rows)?)?)
     }
 }
 

@@ -1,1 +1,172 @@
-//! (skeleton)
+//! What the laws in `tests/` are checked on: small matrices of every kind, every registered method in several settings.
+
+use ndarray::Array2;
+use prt_transfer::{Compressed, Label, LightBasis, Method, Quiet, Registry, Result, TransferMatrix};
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// A matrix and what it is, for messages.
+pub struct Case {
+    /// What it is.
+    pub name: &'static str,
+    /// The matrix.
+    pub matrix: TransferMatrix,
+}
+
+/// The cubemap that all cases live on, so that every transform is defined: 6 x 4 x 4 texels.
+pub const BASIS: LightBasis = LightBasis::Cubemap { resolution: 4 };
+
+/// Random numbers that are the same in every run.
+pub fn random(seed: u64) -> Pcg64Mcg {
+    Pcg64Mcg::seed_from_u64(seed)
+}
+
+/// Matrices as scenes give them, and the degenerate ones.
+pub fn cases() -> Vec<Case> {
+    let lights = BASIS.lights();
+    let case = |name, rows: usize, responses, basis: LightBasis, element: &mut dyn FnMut(usize, usize) -> f32| {
+        let values: Vec<f32> =
+            (0..rows * basis.lights()).map(|i| element(i / basis.lights(), i % basis.lights())).collect();
+        let matrix = TransferMatrix::from_dense(values, rows, responses, basis).expect("a case is valid");
+        Case { name, matrix }
+    };
+    let mut rng = random(7);
+    // Visibility: runs of equal values k/4, coherent from row to row.
+    let mut visibility = |row: usize, col: usize| match (col + 2 * row / 3) % 24 {
+        0 => 0.25,
+        1..=5 => 1.0,
+        6 => 0.75,
+        _ => 0.0,
+    };
+    let smooth = |row: usize, col: usize| ((row as f32 * 0.2).sin() + 1.2) * (col as f32 * 0.13).cos().max(0.0);
+    let mut noise = |_: usize, _: usize| rng.random_range(-1.0f32..1.0);
+    let mut cases = vec![
+        case("visibility", 48, 4, BASIS, &mut visibility),
+        case("smooth", 30, 1, BASIS, &mut |r, c| smooth(r, c)),
+        case("noise", 17, 1, BASIS, &mut noise),
+        case("one row", 1, 1, BASIS, &mut |r, c| smooth(r, c)),
+        case("zeros", 5, 5, BASIS, &mut |_, _| 0.0),
+        case("no rows", 0, 1, BASIS, &mut |_, _| 0.0),
+        case("huge and tiny", 6, 2, BASIS, &mut |r, c| if c % 2 == 0 { 1e30 } else { 1e-30 } * (1 + r + c) as f32),
+        case("one column", 9, 1, LightBasis::Plain { lights: 1 }, &mut |r, _| r as f32 * 0.5),
+        case("no columns", 3, 1, LightBasis::Plain { lights: 0 }, &mut |_, _| 0.0),
+    ];
+    cases.extend(cases.iter().map(|c| Case { name: c.name, matrix: sparse(&c.matrix) }).collect::<Vec<_>>());
+    debug_assert!(cases.iter().all(|c| c.matrix.lights() <= lights));
+    cases
+}
+
+/// The same elements in compressed rows.
+pub fn sparse(matrix: &TransferMatrix) -> TransferMatrix {
+    let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
+    for row in 0..matrix.rows() {
+        for (col, value) in matrix.row(row).non_zeros() {
+            columns.push(col as u32);
+            values.push(value);
+        }
+        offsets.push(columns.len());
+    }
+    TransferMatrix::from_csr(offsets, columns, values, matrix.shape().responses, matrix.basis().clone())
+        .expect("the elements of a valid matrix")
+}
+
+/// A light with positive and negative coefficients, lights x channels.
+pub fn light(lights: usize, channels: usize) -> Array2<f32> {
+    let mut rng = random(11);
+    Array2::from_shape_simple_fn((lights, channels), || rng.random_range(-1.0f32..2.0))
+}
+
+/// Every row of what a method made, rows x lights.
+pub fn decoded(compressed: &Compressed) -> Array2<f32> {
+    let shape = compressed.shape();
+    let mut rows = Array2::zeros((shape.rows(), shape.lights));
+    for (row, mut out) in rows.outer_iter_mut().enumerate() {
+        compressed.row_into(row, out.as_slice_mut().expect("rows of a fresh array are contiguous"));
+    }
+    rows
+}
+
+/// Every element of a matrix, rows x lights.
+pub fn elements(matrix: &TransferMatrix) -> Array2<f32> {
+    let mut rows = Array2::zeros((matrix.rows(), matrix.lights()));
+    for (row, mut out) in rows.outer_iter_mut().enumerate() {
+        matrix.gather(row, out.as_slice_mut().expect("rows of a fresh array are contiguous"));
+    }
+    rows
+}
+
+/// A parameter of a method set to something other than its default, in company that lets it act.
+pub struct Setting {
+    /// The label without the parameter.
+    pub without: &'static str,
+    /// The parameter, `name=value`.
+    pub parameter: &'static str,
+    /// Which stage of the label it belongs to.
+    pub stage: &'static str,
+}
+
+/// One setting for every parameter of every registered method: a new parameter must be added here.
+pub const SETTINGS: &[Setting] = &[
+    Setting { without: "haar+csr", parameter: "scale=sphere", stage: "haar" },
+    Setting { without: "haar+csr", parameter: "light_terms=9", stage: "haar" },
+    Setting { without: "haar:light_terms=9+csr", parameter: "light_select=area", stage: "haar" },
+    Setting { without: "sh+csr", parameter: "order=2", stage: "sh" },
+    Setting { without: "truncate", parameter: "terms=3", stage: "truncate" },
+    Setting { without: "truncate", parameter: "energy=0.75", stage: "truncate" },
+    Setting { without: "truncate", parameter: "max_error=0.1", stage: "truncate" },
+    Setting { without: "truncate", parameter: "bits=8", stage: "truncate" },
+    Setting { without: "haar+truncate", parameter: "order=columns", stage: "truncate" },
+];
+
+/// Every label that the laws are checked on: each method at its defaults and each of its settings.
+pub fn labels(registry: &Registry) -> Vec<Label> {
+    let defaults = registry.codecs().into_iter().map(|c| c.name.to_string());
+    let transforms = registry.transforms().into_iter().map(|t| format!("{}+csr", t.name));
+    let settings = SETTINGS.iter().map(Setting::label);
+    let mut labels: Vec<Label> =
+        defaults.chain(transforms).chain(settings).map(|l| l.parse().expect("a label of the laws")).collect();
+    labels.dedup();
+    labels
+}
+
+impl Setting {
+    /// The label with the parameter in its stage.
+    pub fn label(&self) -> String {
+        let stages = self.without.split('+').map(|stage| {
+            if stage.split(':').next() == Some(self.stage) {
+                format!("{stage}:{}", self.parameter)
+            } else {
+                stage.into()
+            }
+        });
+        stages.collect::<Vec<String>>().join("+")
+    }
+}
+
+/// A label's method, applied.
+pub fn encode(registry: &Registry, label: &Label, matrix: &TransferMatrix) -> Result<Compressed> {
+    registry.method(label)?.encode(matrix, &Quiet)
+}
+
+/// As [`encode`]; `None` where the method refuses the basis of the case, which is the only refusal that the laws accept.
+pub fn encode_where_defined(registry: &Registry, label: &Label, case: &Case) -> Option<(Method, Compressed)> {
+    let method = registry.method(label).unwrap_or_else(|e| panic!("{label}: {e}"));
+    match method.encode(&case.matrix, &Quiet) {
+        Ok(compressed) => Some((method, compressed)),
+        Err(prt_transfer::Error::Unsupported { what, .. }) if what.starts_with("light basis") => None,
+        Err(e) => panic!("{label} on {}: {e}", case.name),
+    }
+}
+
+/// Flips one random bit.
+pub fn flip_bit(bytes: &mut [u8], rng: &mut impl Rng) {
+    if !bytes.is_empty() {
+        let at = rng.random_range(0..bytes.len());
+        bytes[at] ^= 1 << rng.random_range(0..8u32);
+    }
+}
+
+/// The example codec of CONTRIBUTING.md compiles and works.
+#[cfg(doctest)]
+#[doc = include_str!("../../CONTRIBUTING.md")]
+pub struct Contributing;

@@ -161,7 +161,7 @@ proptest! {
     #[test]
     fn flops_are_the_closed_formulas(matrix in matrix_of(value())) {
         let (cells, nnz) = ((matrix.rows() * matrix.lights()) as u64, matrix.non_zeros() as u64);
-        let ones = (0..matrix.rows()).map(|r| matrix.row(r).non_zeros().filter(|e| e.1.abs() == 1.0).count() as u64).sum();
+        let ones: u64 = (0..matrix.rows()).map(|r| matrix.row(r).non_zeros().filter(|e| e.1.abs() == 1.0).count() as u64).sum();
         let light = vec![1.0; matrix.lights()];
         for (name, through) in EXACT {
             let (encoded, bytes) = through(&matrix);

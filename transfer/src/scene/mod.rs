@@ -3,13 +3,16 @@
 //! A [`shapes`] scene or a loaded mesh is [`repair`]ed and given [`frames`]; [`bvh::Occluders`] answer which [`directions`] its
 //! points see ([`visibility`]); [`mod@biscale`] and [`mod@diffuse`] turn that into transfer matrices. [`lights`] relight them.
 
+pub mod biscale;
 pub mod bvh;
+pub mod diffuse;
 pub mod directions;
 mod edges;
 pub mod environment;
 mod exact;
 pub mod frames;
 mod grid;
+pub mod hemisphere;
 pub mod lights;
 pub mod ray;
 pub mod repair;
@@ -17,6 +20,7 @@ pub mod resample;
 mod room;
 mod scattered;
 pub mod shapes;
+pub mod signal;
 mod sky;
 mod sweep;
 pub mod visibility;

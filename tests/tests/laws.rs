@@ -1,0 +1,237 @@
+//! Promises that every registered method keeps. A new method is in every one of these loops by being registered.
+
+use ndarray::Array2;
+use prt_harness::registry::registry;
+use prt_tests::*;
+use prt_transfer::io::prt;
+use prt_transfer::sections::Section;
+use prt_transfer::{Compressed, Label, Registry};
+use rand::RngExt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// Runs `law` on every label and every case that the label is defined on, after a round trip through a file's bytes.
+fn for_every_method(mut law: impl FnMut(&Registry, &Label, &Case, &Compressed)) {
+    let registry = registry();
+    for label in labels(&registry) {
+        let mut tried = 0;
+        for case in cases() {
+            if let Some((_, compressed)) = encode_where_defined(&registry, &label, &case) {
+                let reloaded = prt::from_bytes(&prt::to_bytes(&compressed).unwrap(), &registry)
+                    .unwrap_or_else(|e| panic!("{label} on {}: {e}", case.name));
+                law(&registry, &label, &case, &reloaded);
+                tried += 1;
+            }
+        }
+        assert!(tried >= 10, "{label} is defined on {tried} cases only");
+    }
+}
+
+#[test]
+fn relighting_equals_decoded_rows_times_light() {
+    for_every_method(|_, label, case, compressed| {
+        if label.transform.params.iter().any(|(name, _)| name == "light_terms") {
+            return; // the light is cut at run time: `cut_lights_relight_as_the_light_they_keep` holds instead
+        }
+        let rows = decoded(compressed).mapv(f64::from);
+        for channels in [1, 3, 5] {
+            let light = light(case.matrix.lights(), channels);
+            let mut out = Array2::from_elem((rows.nrows(), channels), f32::NAN);
+            compressed.apply_into(light.view(), out.view_mut()).unwrap();
+            let expected = rows.dot(&light.mapv(f64::from));
+            // Rounding is bounded by the sum of magnitudes, not by the sum itself. The wavelet domain mixes columns, so
+            // the bound is taken over whole rows.
+            let magnitude = rows.mapv(f64::abs).sum_axis(ndarray::Axis(1)) * 2.0;
+            for ((row, channel), y) in out.indexed_iter() {
+                let error = (f64::from(*y) - expected[[row, channel]]).abs();
+                let bound = 4e-6 * magnitude[row] + 1e-37;
+                assert!(error <= bound, "{label} on {}: row {row} channel {channel}: {error:e} > {bound:e}", case.name);
+            }
+        }
+    });
+}
+
+#[test]
+fn saving_what_was_loaded_gives_the_same_bytes() {
+    for_every_method(|registry, label, case, reloaded| {
+        let bytes = prt::to_bytes(reloaded).unwrap();
+        let again = prt::to_bytes(&prt::from_bytes(&bytes, registry).unwrap()).unwrap();
+        assert_eq!(bytes, again, "{label} on {}", case.name);
+        let first = prt::to_bytes(&encode(registry, label, &case.matrix).unwrap()).unwrap();
+        assert_eq!(bytes, first, "{label} on {}", case.name);
+    });
+}
+
+#[test]
+fn storage_is_what_the_writer_wrote() {
+    for_every_method(|_, label, case, compressed| {
+        let bytes = prt::to_bytes(compressed).unwrap();
+        let info = prt::inspect(&bytes).unwrap();
+        let stored: u64 = info.sections.iter().map(|s| s.stored).sum();
+        assert_eq!(info.sizes.header + stored, bytes.len() as u64, "{label} on {}", case.name);
+        assert_eq!(info.sizes.file, bytes.len() as u64);
+        let raw: u64 = info.sections.iter().map(|s| s.raw).sum();
+        assert_eq!(raw, compressed.sections().resident_bytes() as u64, "{label} on {}", case.name);
+        assert_eq!(info.sizes.resident, info.sizes.header + raw);
+        assert_eq!(info.header, compressed.header(), "{label} on {}", case.name);
+    });
+}
+
+#[test]
+fn one_and_two_threads_give_the_same_bytes() {
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let (one, two) = (pool(1), pool(2));
+    for_every_method(|registry, label, case, _| {
+        let bytes = || prt::to_bytes(&encode(registry, label, &case.matrix).unwrap()).unwrap();
+        assert_eq!(one.install(bytes), two.install(bytes), "{label} on {}", case.name);
+    });
+}
+
+#[test]
+fn every_parameter_is_covered_and_changes_the_outcome() {
+    let registry = registry();
+    for about in registry.codecs().into_iter().chain(registry.transforms()) {
+        for field in about.fields {
+            let settings =
+                SETTINGS.iter().filter(|s| s.stage == about.name && s.parameter.split('=').next() == Some(field.name));
+            assert!(settings.count() > 0, "no setting in SETTINGS for {}:{}", about.name, field.name);
+        }
+    }
+    for setting in SETTINGS {
+        let outcome = |label: &str| {
+            let label: Label = label.parse().unwrap();
+            let visible: Vec<_> =
+                cases().into_iter().filter(|c| ["smooth", "visibility", "noise"].contains(&c.name)).collect();
+            let made = visible.iter().map(|case| {
+                let compressed = encode(&registry, &label, &case.matrix).unwrap();
+                let light = light(case.matrix.lights(), 1);
+                let mut out = Array2::zeros((case.matrix.rows(), 1));
+                compressed.apply_into(light.view(), out.view_mut()).unwrap();
+                (compressed.sections().into_sections(), out)
+            });
+            made.collect::<Vec<(Vec<Section>, Array2<f32>)>>()
+        };
+        assert!(outcome(setting.without) != outcome(&setting.label()), "{} changes nothing", setting.label());
+    }
+}
+
+#[test]
+fn labels_read_back_what_they_print_and_print_only_what_differs() {
+    let registry = registry();
+    for label in labels(&registry) {
+        let canonical = registry.method(&label).unwrap().label().clone();
+        let printed: Label = canonical.to_string().parse().unwrap();
+        assert_eq!(printed, canonical);
+        assert_eq!(registry.method(&printed).unwrap().label(), &canonical);
+    }
+    for about in registry.codecs() {
+        // Every default written out is the same method as none.
+        let fields = about.fields.iter().map(|f| (f.name.to_string(), f.default.clone())).collect();
+        let mut label: Label = about.name.parse().unwrap();
+        label.codec.params = fields;
+        assert_eq!(registry.method(&label).unwrap().label().to_string(), about.name);
+    }
+}
+
+#[test]
+fn unknown_names_and_values_are_refused_by_name() {
+    let registry = registry();
+    for about in registry.codecs() {
+        let refused = |label: String| registry.method(&label.parse().unwrap()).err().map(|e| e.to_string());
+        assert!(refused(format!("{}:nonsense=1", about.name)).unwrap().contains("nonsense"));
+        for field in about.fields {
+            let message = refused(format!("{}:{}=nonsense", about.name, field.name)).unwrap();
+            assert!(message.contains(field.name) && message.contains("nonsense"), "{message}");
+        }
+    }
+}
+
+#[test]
+fn exact_codecs_give_back_every_element() {
+    for_every_method(|_, label, case, compressed| {
+        if ["dense", "csr", "compact"].contains(&label.codec.name.as_str()) && label.transform.name == "identity" {
+            assert_eq!(decoded(compressed), elements(&case.matrix), "{label} on {}", case.name);
+        }
+    });
+}
+
+#[test]
+fn flops_equal_the_closed_formula() {
+    for_every_method(|_, label, case, compressed| {
+        if label.transform.name != "identity" {
+            return; // the transform's own formula is checked in its crate
+        }
+        let shape = case.matrix.shape();
+        let flops = compressed.flops(light(shape.lights, 1).column(0).to_vec().as_slice()).unwrap();
+        let products = match label.codec.name.as_str() {
+            "dense" => shape.rows() * shape.lights,
+            "f16" if !case.matrix.is_sparse() => shape.rows() * shape.lights,
+            // One product for every element that is kept: what decodes to a non-zero.
+            "csr" | "compact" | "f16" | "truncate" => decoded(compressed).iter().filter(|v| **v != 0.0).count(),
+            other => panic!("state the closed formula of {other}"),
+        };
+        assert_eq!(flops.multiplications, products as u64, "{label} on {}", case.name);
+        assert_eq!(flops.additions, products as u64, "{label} on {}", case.name);
+        assert!(flops.by_one <= flops.multiplications);
+    });
+}
+
+/// Uses everything of a compressed matrix that was accepted from damaged bytes.
+fn use_all(compressed: &Compressed) {
+    let shape = compressed.shape();
+    if shape.rows() * shape.lights > 1 << 16 {
+        return; // damage that made a matrix larger is legal where the sections agree with it; using it all takes too long
+    }
+    decoded(compressed);
+    let light = light(shape.lights, 3);
+    compressed.apply_into(light.view(), Array2::zeros((shape.rows(), 3)).view_mut()).unwrap();
+    compressed.flops(&light.column(0).to_vec()).unwrap();
+}
+
+#[test]
+fn truncated_and_damaged_files_never_panic() {
+    let mut rng = random(3);
+    for_every_method(|registry, label, case, compressed| {
+        let bytes = prt::to_bytes(compressed).unwrap();
+        for length in (0..bytes.len()).step_by(1 + bytes.len() / 64) {
+            assert!(prt::from_bytes(&bytes[..length], registry).is_err(), "{label} on {}: cut at {length}", case.name);
+        }
+        for _ in 0..64 {
+            let mut damaged = bytes.clone();
+            flip_bit(&mut damaged, &mut rng);
+            let outcome = catch_unwind(AssertUnwindSafe(|| prt::from_bytes(&damaged, registry)));
+            // A bit that the decompressor ignores may flip; the content is behind a checksum.
+            if let Ok(accepted) = outcome.unwrap_or_else(|_| panic!("{label} on {}: panicked", case.name)) {
+                assert_eq!(accepted.header(), compressed.header(), "{label} on {}", case.name);
+                let sections = accepted.sections().into_sections();
+                assert!(sections == compressed.sections().into_sections(), "{label} on {}: damage passed", case.name);
+            }
+        }
+    });
+}
+
+#[test]
+fn damaged_sections_behind_a_valid_checksum_never_panic() {
+    let mut rng = random(5);
+    for_every_method(|registry, label, case, compressed| {
+        let sections = compressed.sections().into_sections();
+        for _ in 0..48 {
+            let mut damaged = sections.clone();
+            if damaged.is_empty() {
+                break;
+            }
+            let at = rng.random_range(0..damaged.len());
+            match rng.random_range(0..4) {
+                0 => damaged[at].bytes.truncate(rng.random_range(0..=sections[at].bytes.len())),
+                1 => damaged[at].bytes.extend_from_slice(&[0xff; 8]),
+                2 => drop(damaged.remove(at)),
+                _ => (0..rng.random_range(1..8)).for_each(|_| flip_bit(&mut damaged[at].bytes, &mut rng)),
+            }
+            let outcome = catch_unwind(AssertUnwindSafe(|| {
+                if let Ok(accepted) = registry.restore(&compressed.header(), damaged) {
+                    use_all(&accepted);
+                }
+            }));
+            assert!(outcome.is_ok(), "{label} on {}: panicked on damaged sections", case.name);
+        }
+    });
+}

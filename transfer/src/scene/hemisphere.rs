@@ -1,0 +1,146 @@
+//! Local directions of the hemisphere: cells of equal solid angle, and which of them is nearest to any direction.
+
+use crate::error::{Error, Result};
+use glam::Vec3;
+use std::f32::consts::{FRAC_PI_4, SQRT_2};
+
+/// The concentric map of Shirley and Chiu (1997) from the square [-1, 1]² to the unit disk; it keeps areas.
+pub fn concentric_disk(u: f32, v: f32) -> (f32, f32) {
+    let (radius, angle) = match (u, v) {
+        (0.0, 0.0) => return (0.0, 0.0),
+        _ if u.abs() > v.abs() => (u, FRAC_PI_4 * v / u),
+        _ => (v, 2.0 * FRAC_PI_4 - FRAC_PI_4 * u / v),
+    };
+    (radius * angle.cos(), radius * angle.sin())
+}
+
+/// The unit direction above the disk point `(x, y)` of the Lambert equal-area projection: the disk is the hemisphere z ≥ 0.
+pub fn equal_area_hemisphere(x: f32, y: f32) -> Vec3 {
+    // With r² = x² + y², z = 1 - r² makes dω = 2 dA, the same everywhere.
+    let r2 = x * x + y * y;
+    let scale = (2.0 - r2).max(0.0).sqrt();
+    Vec3::new(x * scale, y * scale, 1.0 - r2)
+}
+
+/// `edge`² directions at the centres of equal-area cells, index `row * edge + column` of the concentric square.
+pub struct LocalDirections {
+    directions: Vec<Vec3>,
+    /// For each bin of the Lambert disk, the range of `candidates` that can be nearest to a direction in it.
+    bins: Vec<(u32, u32)>,
+    candidates: Vec<u16>,
+}
+
+/// Bins along an edge of the square around the Lambert disk.
+const BINS: usize = 128;
+
+impl LocalDirections {
+    /// Most cells along an edge.
+    pub const MAX_EDGE: usize = 64;
+
+    /// `edge`² cells, `edge` from 1 to [`LocalDirections::MAX_EDGE`].
+    pub fn new(edge: usize) -> Result<LocalDirections> {
+        if !(1..=Self::MAX_EDGE).contains(&edge) {
+            return Err(Error::Parameter {
+                method: "biscale".into(),
+                name: "local directions along an edge".into(),
+                value: edge.to_string(),
+                expected: format!("from 1 to {}", Self::MAX_EDGE),
+            });
+        }
+        let centre = |i: usize| (2 * i + 1) as f32 / edge as f32 - 1.0;
+        let directions: Vec<Vec3> = (0..edge * edge)
+            .map(|k| concentric_disk(centre(k % edge), centre(k / edge)))
+            .map(|(x, y)| equal_area_hemisphere(x, y))
+            .collect();
+        let (mut bins, mut candidates) = (Vec::with_capacity(BINS * BINS), Vec::new());
+        for bin in 0..BINS * BINS {
+            let first = candidates.len() as u32;
+            candidates.extend(nearest_in_bin(&directions, bin % BINS, bin / BINS));
+            bins.push((first, candidates.len() as u32));
+        }
+        Ok(LocalDirections { directions, bins, candidates })
+    }
+
+    /// The unit directions, z along the normal.
+    pub fn directions(&self) -> &[Vec3] {
+        &self.directions
+    }
+
+    /// The index of the direction nearest to the unit vector `local`; the lower index where two are equally near. One below
+    /// the horizon is taken to the horizon first.
+    #[inline]
+    pub fn nearest(&self, local: Vec3) -> usize {
+        let local = if local.z < 0.0 { Vec3::new(local.x, local.y, 0.0).normalize_or(Vec3::X) } else { local };
+        // Inverse of `equal_area_hemisphere`: (x, y) / sqrt(1 + z).
+        let scale = (1.0 + local.z).sqrt().recip();
+        let bin = |c: f32| (((c * scale + 1.0) * (0.5 * BINS as f32)) as usize).min(BINS - 1);
+        let (first, last) = self.bins[bin(local.y) * BINS + bin(local.x)];
+        let candidates = &self.candidates[first as usize..last as usize];
+        if let [only] = candidates {
+            return usize::from(*only);
+        }
+        let mut best = (f32::NEG_INFINITY, 0);
+        for &candidate in candidates {
+            let cosine = self.directions[usize::from(candidate)].dot(local);
+            if cosine > best.0 {
+                best = (cosine, usize::from(candidate));
+            }
+        }
+        best.1
+    }
+}
+
+/// Every direction that may be the nearest to some direction of a bin, ascending.
+fn nearest_in_bin(directions: &[Vec3], column: usize, row: usize) -> Vec<u16> {
+    let centre = |i: usize| (2 * i + 1) as f32 / BINS as f32 - 1.0;
+    let (mut x, mut y) = (centre(column), centre(row));
+    // A bin outside the disk is asked for only by rounding at the horizon: its nearest point of the disk stands for it.
+    let radius = x.hypot(y);
+    let outside = (radius - 1.0).max(0.0);
+    if radius > 1.0 {
+        (x, y) = (x / radius, y / radius);
+    }
+    let centre = equal_area_hemisphere(x, y);
+    // The map stretches lengths by at most 2 towards the horizon (dθ/dr = 2/sqrt(2 - r²)), so that no direction of the bin is
+    // further than this from its centre.
+    let reach = 2.0 * (SQRT_2 / BINS as f32 + outside);
+    let angle = |d: &Vec3| d.angle_between(centre);
+    let nearest = directions.iter().map(angle).fold(f32::INFINITY, f32::min);
+    let limit = nearest + 2.0 * reach + 1e-3;
+    (0..directions.len() as u16).filter(|&j| angle(&directions[usize::from(j)]) <= limit).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_concentric_square_covers_the_hemisphere_evenly() {
+        let fine = 256;
+        let centre = |i: usize| (2 * i + 1) as f32 / fine as f32 - 1.0;
+        let mut moments = [0f64; 4];
+        for k in 0..fine * fine {
+            let (x, y) = concentric_disk(centre(k % fine), centre(k / fine));
+            let d = equal_area_hemisphere(x, y);
+            assert!((d.length() - 1.0).abs() < 1e-5);
+            let [x, y, z] = d.to_array().map(f64::from);
+            moments.iter_mut().zip([z, z * z, x * x, x * y]).for_each(|(m, v)| *m += v / (fine * fine) as f64);
+        }
+        // Means over a hemisphere of uniform density: z 1/2, z² 1/3, x² 1/3, xy 0.
+        for (mean, expected) in moments.iter().zip([1.0 / 2.0, 1.0 / 3.0, 1.0 / 3.0, 0.0]) {
+            assert!((mean - expected).abs() < 1e-4, "{moments:?}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn nearest_is_the_nearest(edge in 1usize..=16, z in 0f32..1.0, phi in 0f32..std::f32::consts::TAU) {
+            let local = Vec3::new((1.0 - z * z).sqrt() * phi.cos(), (1.0 - z * z).sqrt() * phi.sin(), z);
+            let cells = LocalDirections::new(edge).unwrap();
+            let found = cells.directions()[cells.nearest(local)].dot(local);
+            let best = cells.directions().iter().map(|d| d.dot(local)).fold(f32::NEG_INFINITY, f32::max);
+            prop_assert_eq!(found, best);
+        }
+    }
+}
