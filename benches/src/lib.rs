@@ -10,7 +10,7 @@
 //! - `GiB/s` counts the bytes that each method itself holds: of two methods the faster is the one with the shorter time.
 //! - `1` and `2` at the end of a name are threads. What `copy` gains by the second is what a kernel can gain.
 //! - `csr, light in 2 KiB` has the rows of `csr` on 512 light coefficients: what it gains over `csr` is the cost of reading
-//!   the light from beyond the first-level cache. `csr, in cache` has 3000 of the rows, again and again: what it gains per
+//!   the light from beyond the first-level cache. `csr, in cache` has 8000 of the rows, again and again: what it gains per
 //!   element is the cost of the matrix coming from memory, and what is left is the arithmetic's own.
 //!
 //! `benches/peers/csr_scipy.py` times SciPy's product on the same matrix.

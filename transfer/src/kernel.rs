@@ -77,14 +77,7 @@ fn by_channels(
 }
 
 fn apply_packed<const N: usize, K: RowKernel>(kernel: &K, lights: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
-    let packed: Vec<[f32; N]> = lights
-        .outer_iter()
-        .map(|coefficient| {
-            let mut x = [0.0; N];
-            x.iter_mut().zip(coefficient).for_each(|(x, &c)| *x = c);
-            x
-        })
-        .collect();
+    let packed = pack(lights);
     // Vector kernels multiply lanes that they do not want by 0, which an infinite coefficient would turn into a NaN.
     let finite = packed.as_flattened().iter().all(|x| x.is_finite());
     out.axis_chunks_iter_mut(Axis(0), ROWS_PER_TASK).into_par_iter().enumerate().for_each(|(task, mut rows)| {
@@ -101,15 +94,39 @@ fn apply_packed<const N: usize, K: RowKernel>(kernel: &K, lights: ArrayView2<f32
     });
 }
 
+/// The channels of each light coefficient side by side, up to `N` of them.
+fn pack<const N: usize>(lights: ArrayView2<f32>) -> Vec<[f32; N]> {
+    let mut packed = vec![[0f32; N]; lights.nrows()];
+    let lights = lights.as_standard_layout();
+    let coefficients = lights.as_slice().expect("standard layout");
+    match lights.ncols() {
+        1 => copy_lanes(coefficients.as_chunks::<1>().0, &mut packed),
+        2 => copy_lanes(coefficients.as_chunks::<2>().0, &mut packed),
+        3 => copy_lanes(coefficients.as_chunks::<3>().0, &mut packed),
+        _ => copy_lanes(coefficients.as_chunks::<4>().0, &mut packed),
+    }
+    packed
+}
+
 /// Copies the first channels of `products` to the rows of the output.
 fn store<const N: usize>(products: &[[f32; N]], mut rows: ArrayViewMut2<f32>) {
     let width = rows.ncols();
-    match rows.as_slice_mut() {
-        Some(slice) if width == N => slice.copy_from_slice(products.as_flattened()),
-        Some(slice) => slice.chunks_exact_mut(width).zip(products).for_each(|(y, p)| y.copy_from_slice(&p[..width])),
-        None => rows.outer_iter_mut().zip(products).for_each(|(mut row, p)| {
+    match (rows.as_slice_mut(), width) {
+        (Some(slice), 1) => copy_lanes(products, slice.as_chunks_mut::<1>().0),
+        (Some(slice), 2) => copy_lanes(products, slice.as_chunks_mut::<2>().0),
+        (Some(slice), 3) => copy_lanes(products, slice.as_chunks_mut::<3>().0),
+        (Some(slice), 4) => copy_lanes(products, slice.as_chunks_mut::<4>().0),
+        _ => rows.outer_iter_mut().zip(products).for_each(|(mut row, p)| {
             row.iter_mut().zip(p).for_each(|(y, p)| *y = *p);
         }),
+    }
+}
+
+/// Copies the lanes that both sides have. Their numbers are constants, since a copy of a length known only at run time is a
+/// call, which for a few floats costs more than their arithmetic.
+fn copy_lanes<const A: usize, const B: usize>(from: &[[f32; A]], to: &mut [[f32; B]]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
     }
 }
 

@@ -90,15 +90,17 @@ pub(super) unsafe fn sparse_one<I: Column, V: Stored>(
             sum = _mm256_and_ps(sum, group.keep);
         }
     }
-    for (y, sums) in out.chunks_mut(4).zip(sums.chunks(4)) {
+    // Four rows at a time, since one store is cheaper than a copy of unknown length.
+    let (fours, rest) = out.as_chunks_mut::<4>();
+    let (sums, last) = sums.split_at(4 * fours.len());
+    for (y, sums) in fours.iter_mut().zip(sums.as_chunks::<4>().0) {
         let half = |i: usize| _mm_add_ps(_mm256_castps256_ps128(sums[i]), _mm256_extractf128_ps::<1>(sums[i]));
-        let mut four = [0f32; 4];
-        // SAFETY: four floats.
-        unsafe {
-            let total = _mm_hadd_ps(_mm_hadd_ps(half(0), half(1)), _mm_hadd_ps(half(2), half(3)));
-            _mm_storeu_ps(four.as_mut_ptr(), total);
-        }
-        y.copy_from_slice(&four[..y.len()]);
+        let four = _mm_hadd_ps(_mm_hadd_ps(half(0), half(1)), _mm_hadd_ps(half(2), half(3)));
+        // SAFETY: y is four floats.
+        unsafe { _mm_storeu_ps(y.as_mut_ptr(), four) };
+    }
+    for (y, &sum) in rest.iter_mut().zip(last) {
+        *y = total(sum);
     }
 }
 
