@@ -205,7 +205,7 @@ pub fn write(path: impl AsRef<Path>, matrix: &TransferMatrix, signal: &str) -> R
     atomic::write(path, |file| file.write_all(&archive))
 }
 
-/// The file that [`write`] makes; the same bytes on any number of threads.
+/// The file that [`write()`] makes; the same bytes on any number of threads.
 pub fn to_bytes(matrix: &TransferMatrix, signal: &str) -> Result<Vec<u8>> {
     let note = Note {
         responses: Some(matrix.shape().responses),
