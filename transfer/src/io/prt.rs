@@ -1,6 +1,6 @@
 //! The container of a compressed matrix, `.prt`; `docs/format.md` describes it byte by byte.
 //!
-//! A header says what the matrix is and lists the sections; the sections follow, each deflated by zstd at one level that is the
+//! A header says what the matrix is and lists the sections; the sections follow, each compressed by zstd at one level that is the
 //! same for every method, or raw where that is smaller. Each carries a checksum. The same matrix gives the same bytes on any
 //! number of threads.
 
