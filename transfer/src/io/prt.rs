@@ -20,7 +20,8 @@ pub const MAX_SECTIONS: usize = 256;
 /// Bytes of a section's name.
 pub const MAX_NAME: usize = 64;
 
-/// Level of zstd in every file.
+/// Level of zstd in every file. On the `csr` sections of a synthetic visibility matrix (39 MB) level 15 makes 0.92 times the
+/// bytes and takes some 7 times as long, level 9 1.14 times the bytes in a third of the time.
 const ZSTD_LEVEL: i32 = 12;
 /// A section may be this many times its stored bytes …
 const EXPANSION: u64 = 1000;
