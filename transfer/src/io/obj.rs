@@ -24,8 +24,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Mesh> {
         let place = if late { "faces".into() } else { format!("line {}", line.get()) };
         broken("obj", place, "a statement v, vn or f", e.to_string())
     })?;
-    // Without groups there is one model, or none where there is no face.
-    let Some(mesh) = models.into_iter().next().map(|model| model.mesh) else {
+    // Without groups there is one model.
+    let mesh = models.into_iter().map(|model| model.mesh).find(|mesh| !mesh.indices.is_empty());
+    let Some(mesh) = mesh else {
         return Err(broken("obj", "faces", "at least one face of three vertices", "none"));
     };
     let vectors = |numbers: &[f32]| numbers.as_chunks::<3>().0.iter().map(|&v| Vec3::from(v)).collect::<Vec<_>>();

@@ -1,6 +1,6 @@
 //! The container of a compressed matrix, `.prt`; `docs/format.md` describes it byte by byte.
 //!
-//! A header says what the matrix is and lists the sections; the sections follow, each deflated by zstd at one level that is the
+//! A header says what the matrix is and lists the sections; the sections follow, each compressed by zstd at one level that is the
 //! same for every method, or raw where that is smaller. Each carries a checksum. The same matrix gives the same bytes on any
 //! number of threads.
 
@@ -20,7 +20,8 @@ pub const MAX_SECTIONS: usize = 256;
 /// Bytes of a section's name.
 pub const MAX_NAME: usize = 64;
 
-/// Level of zstd in every file.
+/// Level of zstd in every file. On the `csr` sections of a synthetic visibility matrix (39 MB) level 15 makes 0.92 times the
+/// bytes and takes some 7 times as long, level 9 1.14 times the bytes in a third of the time.
 const ZSTD_LEVEL: i32 = 12;
 /// A section may be this many times its stored bytes …
 const EXPANSION: u64 = 1000;
