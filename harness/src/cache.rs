@@ -4,6 +4,7 @@ use crate::files::{self, Description};
 use crate::fingerprint;
 use crate::row::Row;
 use crate::scenes;
+use crate::signal::Signal;
 use crate::suite::Origin;
 use anyhow::Context;
 use prt_transfer::{Progress, TransferMatrix};
@@ -44,7 +45,9 @@ pub fn prepare(folder: &Path, origin: &Origin, progress: &dyn Progress) -> anyho
             Ok(Prepared { about: About::of(&matrix, 0, 0.0), path: path.clone(), matrix: Some(matrix) })
         }
         Origin::Scene { scene, vertices, spec } => {
-            let path = folder.join(format!("{}.npz", file_name(origin)));
+            // A dense matrix keeps its form only in .npy, which does not carry the basis.
+            let extension = if spec.signal == Signal::Biscale { "npz" } else { "npy" };
+            let path = folder.join(format!("{}.{extension}", file_name(origin)));
             // A mesh may change under its name; a built-in scene changes with the program.
             let kept = vertices.and_then(|_| About::read(&path));
             if let Some(about) = kept.filter(|_| path.exists()) {
@@ -98,7 +101,9 @@ impl Prepared {
         match self.matrix {
             Some(matrix) => Ok(matrix),
             None => {
-                let matrix = files::read_matrix(&self.path, &Description::default())?;
+                let description =
+                    Description { responses: Some(self.about.responses), basis: Some(self.about.basis.parse()?) };
+                let matrix = files::read_matrix(&self.path, &description)?;
                 let found = fingerprint::matrix(&matrix);
                 anyhow::ensure!(
                     found == self.about.fingerprint,
@@ -167,20 +172,22 @@ pub fn make(path: PathBuf) -> anyhow::Result<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::signal::{Signal, Spec};
+    use crate::signal::Spec;
     use prt_transfer::{LightBasis, Quiet};
 
     #[test]
     fn a_matrix_is_computed_once_and_read_back_the_same() {
         let folder = tempfile::tempdir().unwrap();
-        let spec = Spec::new(Signal::Diffuse, LightBasis::Cubemap { resolution: 4 });
-        let scene = scenes::scenes()[0].name.to_string();
-        let origin = Origin::Scene { scene, vertices: Some(60), spec };
-        let first = prepare(folder.path(), &origin, &Quiet).unwrap();
-        let second = prepare(folder.path(), &origin, &Quiet).unwrap();
-        assert!(first.matrix.is_some() && second.matrix.is_none());
-        assert_eq!(first.about, second.about);
-        assert_eq!(first.into_matrix().unwrap(), second.into_matrix().unwrap());
+        for signal in [Signal::Diffuse, Signal::Biscale] {
+            let spec = Spec::new(signal, LightBasis::Cubemap { resolution: 4 });
+            let scene = scenes::scenes()[0].name.to_string();
+            let origin = Origin::Scene { scene, vertices: Some(60), spec };
+            let first = prepare(folder.path(), &origin, &Quiet).unwrap();
+            let second = prepare(folder.path(), &origin, &Quiet).unwrap();
+            assert!(first.matrix.is_some() && second.matrix.is_none());
+            assert_eq!(first.about, second.about);
+            assert_eq!(first.into_matrix().unwrap(), second.into_matrix().unwrap());
+        }
     }
 
     #[test]

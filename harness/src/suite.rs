@@ -46,7 +46,7 @@ pub struct Suite {
 /// Curved, flat, and curved with ears: the worst and the best case of methods that look for structure.
 const SCENES: [&str; 3] = ["teapot", "temple", "blob"];
 const QUICK_SCENES: [&str; 1] = ["teapot"];
-const FULL_SCENES: [&str; 7] = ["teapot", "cornell", "polygons", "temple", "chair", "bumpy", "blob"];
+const FULL_SCENES: [&str; 7] = ["teapot", "cornell-box", "two-polygons", "temple", "chair", "bumpy-sphere", "blob"];
 
 /// The rivals that a reader will think of, exact and not.
 const RIVALS: [&str; 4] = ["dense", "csr", "compact", "f16"];

@@ -81,7 +81,7 @@ fn failures_are_one_sentence_with_the_place_and_leave_no_file() {
         (&["encode", "nothing", "T.npz", "-o", "out.prt"], "unknown codec 'nothing'"),
         (&["encode", "csr:terms=3", "T.npz", "-o", "out.prt"], "terms"),
         (&["encode", "a+b+c", "T.npz", "-o", "out.prt"], "3 stages"),
-        (&["encode", "csr", "T.npz", "-o", "out.prt", "--basis", "sh:5"], "384"),
+        (&["encode", "csr", "T.npz", "-o", "out.prt", "--basis", "sh:5"], "sh:5"),
         (&["info", "broken.prt"], "broken.prt"),
         (&["decode", "broken.prt", "-o", "out.npz"], "broken.prt"),
         (&["precompute", "nowhere", "--signal", "diffuse", "-o", "out.npz"], "nowhere"),

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-/// What went wrong, with the numbers that a user needs to mend it.
+/// What went wrong, with the numbers that a user needs to mend it. One line says everything: causes are part of the message
+/// and not handed out by [`std::error::Error::source`] a second time.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -93,22 +94,22 @@ pub enum Error {
         found: String,
     },
     /// The operating system refused an operation on a file.
-    #[error("cannot {action} {}: {source}", path.display())]
+    #[error("cannot {action} {}: {cause}", path.display())]
     Io {
         /// The operation: read, write, create, rename.
         action: &'static str,
         /// The file.
         path: PathBuf,
         /// What the operating system said.
-        source: std::io::Error,
+        cause: std::io::Error,
     },
     /// A file failed to parse; the inner error says where.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {cause}", path.display())]
     File {
         /// The file.
         path: PathBuf,
         /// What is wrong in it.
-        source: Box<Error>,
+        cause: Box<Error>,
     },
     /// More than the format or this program can hold.
     #[error("{what}: {found} is above the limit of {limit}")]
@@ -133,7 +134,7 @@ impl Error {
     pub fn in_file(self, path: impl Into<PathBuf>) -> Error {
         match self {
             Error::Io { .. } | Error::File { .. } | Error::Cancelled => self,
-            inner => Error::File { path: path.into(), source: Box::new(inner) },
+            inner => Error::File { path: path.into(), cause: Box::new(inner) },
         }
     }
 

@@ -132,7 +132,7 @@ fn biscale_equals_a_texel_by_texel_computation() {
     for (vertex, &normal) in normals().iter().enumerate() {
         let frame = Frame::by_axis(normal);
         let mut expected = vec![0f32; edge * edge * 384];
-        for (i, d) in fine.iter().enumerate().filter(|(_, d)| d.dot(normal) > 0.0) {
+        for (i, _) in fine.iter().enumerate().filter(|(_, d)| d.dot(normal) > 0.0) {
             let (face, row, column) = (i / 256, i / 16 % 16, i % 16);
             let texel = face * 64 + row / 2 * 8 + column / 2;
             let local = frame.to_local(centres[texel]);

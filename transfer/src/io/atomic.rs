@@ -48,7 +48,7 @@ impl AtomicFile {
     /// Opens a temporary file in the folder of `path`. Fails where the folder does not exist or refuses.
     pub fn create(path: impl AsRef<Path>) -> Result<AtomicFile> {
         let path = path.as_ref();
-        let target = open(path).map_err(|source| Error::Io { action: "create", path: path.into(), source })?;
+        let target = open(path).map_err(|cause| Error::Io { action: "create", path: path.into(), cause })?;
         Ok(AtomicFile { path: path.into(), writer: BufWriter::with_capacity(1 << 16, target) })
     }
     /// Writes, keeping the path in the error.
@@ -66,11 +66,11 @@ impl AtomicFile {
                 file.persist(resolve(&path)).map(drop).map_err(|e| e.error)
             }
         };
-        finish().map_err(|source| Error::Io { action: "write", path: path.clone(), source })
+        finish().map_err(|cause| Error::Io { action: "write", path: path.clone(), cause })
     }
 
-    fn failed(&self, source: io::Error) -> Error {
-        Error::Io { action: "write", path: self.path.clone(), source }
+    fn failed(&self, cause: io::Error) -> Error {
+        Error::Io { action: "write", path: self.path.clone(), cause }
     }
 }
 

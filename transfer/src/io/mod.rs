@@ -65,12 +65,12 @@ fn broken(
 }
 
 fn open(path: &Path) -> Result<BufReader<File>> {
-    let refused = |source| Error::Io { action: "read", path: path.into(), source };
+    let refused = |cause| Error::Io { action: "read", path: path.into(), cause };
     Ok(BufReader::with_capacity(1 << 16, File::open(path).map_err(refused)?))
 }
 
 fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|source| Error::Io { action: "read", path: path.into(), source })
+    std::fs::read(path).map_err(|cause| Error::Io { action: "read", path: path.into(), cause })
 }
 
 /// The extension in lower case; empty where there is none.

@@ -82,6 +82,6 @@ fn a_link_stays_and_its_target_is_replaced() {
 fn a_device_is_written_in_place() {
     use std::os::unix::fs::FileTypeExt;
     let error = atomic::write("/dev/full", |file| file.write_all(&[0; 1 << 20])).unwrap_err();
-    assert!(matches!(error, Error::Io { ref source, .. } if source.kind() == io::ErrorKind::StorageFull), "{error}");
+    assert!(matches!(error, Error::Io { ref cause, .. } if cause.kind() == io::ErrorKind::StorageFull), "{error}");
     assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
 }
