@@ -1,12 +1,12 @@
 //! Numbers as a person reads them.
 
-/// Three significant digits: `0`, `1.47e-5`, `0.0331`, `12.3`, `4520`.
+/// Three significant digits, two where there is an exponent: `0`, `1.5e-5`, `0.0331`, `12.3`, `4520`.
 pub fn short(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         "0".into()
     } else if !(1e-3..1e5).contains(&size) {
-        format!("{value:.2e}")
+        format!("{value:.1e}")
     } else {
         // Digits before the point, rounded first, since 9.999 has three digits as 10.0.
         let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
@@ -42,15 +42,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_have_three_significant_digits() {
+    fn numbers_are_short() {
         for (value, text) in [
             (0.0, "0"),
-            (1.4749e-5, "1.47e-5"),
+            (1.4749e-5, "1.5e-5"),
             (0.03312, "0.0331"),
             (9.999, "10.0"),
             (123.4, "123"),
             (4520.0, "4520"),
-            (1e5, "1.00e5"),
+            (1e5, "1.0e5"),
             (-2.5, "-2.50"),
         ] {
             assert_eq!(short(value), text);
