@@ -97,7 +97,8 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
     if arguments.json {
         terminal::say_json(&rows)?;
     } else {
-        terminal::say(format!("{}\nresults.csv, charts and report.html are in {}", machine.line(), out.display()))?;
+        let (legend, machine) = (table::LEGEND, machine.line());
+        terminal::say(format!("\n{legend}\n{machine}\nresults.csv, charts and report.html are in {}", out.display()))?;
     }
     // One failed method is a row; nothing but failures is a failure.
     ensure!(
@@ -193,8 +194,8 @@ impl Run<'_> {
         };
         let cells = 4 * planned.samples as u64 * planned.responses as u64 * planned.lights as u64;
         if label.to_string() == "dense" && cells > DENSE_LIMIT {
-            let size = crate::number::bytes(cells);
-            return planned.failed(format!("would need {size}, above the bench's limit of {DENSE_LIMIT} bytes"));
+            let [size, limit] = [cells, DENSE_LIMIT].map(crate::number::bytes);
+            return planned.failed(format!("would need {size}, above the bench's limit of {limit}"));
         }
         let measured =
             catch_unwind(AssertUnwindSafe(|| self.measure.measure(planned.clone(), &label, reference, path, &Quiet)));

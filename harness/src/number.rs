@@ -1,11 +1,11 @@
 //! Numbers as a person reads them.
 
-/// Three significant digits, two where there is an exponent: `0`, `1.5e-5`, `0.0331`, `12.3`, `4520`.
+/// Three significant digits, two where there is an exponent: `0`, `1.5e-3`, `0.0331`, `12.3`, `4520`.
 pub fn short(value: f64) -> String {
     let size = value.abs();
     if value == 0.0 {
         "0".into()
-    } else if !(1e-3..1e5).contains(&size) {
+    } else if !(1e-2..1e5).contains(&size) {
         format!("{value:.1e}")
     } else {
         // Digits before the point, rounded first, since 9.999 has three digits as 10.0.

@@ -18,7 +18,7 @@ pub fn page(groups: &[Group], machine: &Machine) -> String {
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>prt bench</title><style>{STYLE}</style></head>\n\
          <body><h1>prt bench</h1>\n<p class=\"small\">{}</p>\n<p class=\"small\">{}</p>\n{sections}</body></html>\n",
         escape(&machine.line()),
-        escape(LEGEND),
+        escape(LEGEND).replace('\n', "<br>"),
     )
 }
 

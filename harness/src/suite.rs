@@ -44,7 +44,7 @@ pub struct Suite {
 }
 
 /// Curved, flat, and curved with ears: the worst and the best case of methods that look for structure.
-const SCENES: [&str; 3] = ["teapot", "temple", "blob"];
+const SCENES: [&str; 3] = ["teapot", "chair", "blob"];
 const QUICK_SCENES: [&str; 1] = ["teapot"];
 const FULL_SCENES: [&str; 7] = ["teapot", "cornell-box", "two-polygons", "temple", "chair", "bumpy-sphere", "blob"];
 
@@ -73,7 +73,7 @@ const FULL_METHODS: [&str; 7] = [
 ];
 
 /// A dense matrix above this many bytes is not tried: it would measure the machine's swapping.
-pub const DENSE_LIMIT: u64 = 1 << 30;
+pub const DENSE_LIMIT: u64 = 1_000_000_000;
 
 impl Suite {
     /// The usual suite of a size, with scenes or methods of the user's in place of its own where there are any.

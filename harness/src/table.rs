@@ -10,7 +10,7 @@ pub type Column = (&'static str, fn(&Row) -> Option<String>);
 
 /// The table's columns besides the method, on the terminal and in the report.
 pub const COLUMNS: [Column; 11] = [
-    ("resident", |r| r.resident_bytes.map(bytes)),
+    ("memory", |r| r.resident_bytes.map(bytes)),
     ("file", |r| r.file_bytes.map(bytes)),
     ("B/nnz", |r| r.bytes_per_non_zero.map(short)),
     ("FLOPs", |r| r.flops().map(count)),
@@ -18,14 +18,15 @@ pub const COLUMNS: [Column; 11] = [
     ("sphere", |r| r.error_sphere.map(short)),
     ("sky", |r| r.error_relit_sky.map(short)),
     ("room", |r| r.error_relit_room.map(short)),
-    ("encode s", |r| r.encode_s.map(short)),
-    ("1 thr ms", |r| r.relight_1_ms.map(short)),
-    ("all ms", |r| r.relight_all_ms.map(short)),
+    ("enc s", |r| r.encode_s.map(short)),
+    ("1 thr", |r| r.relight_1_ms.map(short)),
+    ("all", |r| r.relight_all_ms.map(short)),
 ];
 
 /// What the columns mean, in a line.
-pub const LEGEND: &str = "error: Σ(T-T̃)²/ΣT²; sphere: the same over the sphere; sky, room: of relit output; \
-relighting: one channel, median";
+pub const LEGEND: &str = "memory: bytes that relighting holds; file: the .prt; B/nnz: memory by non-zero of T; FLOPs: of \
+relighting one channel\nerror: Σ(T-T̃)²/ΣT²; sphere: the same over the sphere; sky, room: of relit output\nenc s: encoding in s; \
+1 thr, all: relighting one channel on one thread and on all, median in ms";
 
 /// Columns of a terminal that everybody has.
 const WIDTH: u16 = 120;

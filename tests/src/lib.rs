@@ -170,3 +170,8 @@ pub fn flip_bit(bytes: &mut [u8], rng: &mut impl Rng) {
 #[cfg(doctest)]
 #[doc = include_str!("../../CONTRIBUTING.md")]
 pub struct Contributing;
+
+/// The example of README.md compiles and works.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;
