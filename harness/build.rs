@@ -15,7 +15,7 @@ fn main() {
     println!("cargo:rustc-env=PRT_COMPILER={}", output(&compiler, &["--version"]).unwrap_or_else(unknown));
     println!(
         "cargo:rustc-env=PRT_COMMIT={}",
-        output("git", &["rev-parse", "--short=12", "HEAD"]).unwrap_or_else(unknown)
+        output("git", &["describe", "--always", "--dirty", "--abbrev=12", "--exclude=*"]).unwrap_or_else(unknown)
     );
 }
 

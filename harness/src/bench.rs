@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 /// Arguments of `prt bench`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "A finished row is never measured twice: run the same command again to resume.\n\nExamples:\n  prt bench\n  prt bench --quick --out /tmp/quick\n  prt bench --scene bunny.ply --method csr --method haar+truncate:terms=64"
+    after_help = "A finished row is never measured twice: run the same command again to resume.\n\nExamples:\n  prt bench\n  prt bench --quick --out quick\n  prt bench --scene bunny.ply --method csr --method haar+truncate:terms=64"
 )]
 pub struct Bench {
     /// A built-in scene, a mesh (.ply, .obj) or a matrix (.npz, .npy, .mtx), instead of the usual scenes; may be repeated

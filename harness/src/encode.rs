@@ -36,6 +36,7 @@ pub struct Encode {
 
 /// Runs the command.
 pub fn run(arguments: &Encode) -> anyhow::Result<()> {
+    files::expect_extension(&arguments.output, "prt")?;
     // First, so that a wrong label is told before a large file is read.
     let (registry, bar) = (registry(), Bar::default());
     let method = method(&registry, &arguments.label)?;

@@ -82,7 +82,7 @@ fn of_row(ours: &[f32], theirs: &[f32], weights: Option<&[f64]>) -> Sums {
 
 /// Not `f64::max`, which would let a NaN pass for no error.
 fn larger(a: f64, b: f64) -> f64 {
-    if b <= a { a } else { b }
+    if b <= a || a.is_nan() { a } else { b }
 }
 
 #[cfg(test)]

@@ -2,10 +2,20 @@
 
 use ndarray::{Array2, ArrayView2};
 use prt_transfer::io::{atomic, matrix, npy, prt};
-use prt_transfer::{Compressed, Registry, Result, TransferMatrix};
+use prt_transfer::{Compressed, Error, Registry, Result, TransferMatrix};
 use std::path::Path;
 
 pub use prt_transfer::io::matrix::Description;
+
+/// Refuses an output file whose extension promises another format than the one that is written.
+pub fn expect_extension(path: &Path, extension: &'static str) -> Result<()> {
+    let found = path.extension().unwrap_or_default();
+    if found.eq_ignore_ascii_case(extension) {
+        return Ok(());
+    }
+    let (what, expected) = (format!("output file {}", path.display()), format!("the extension .{extension}"));
+    Err(Error::Unsupported { what, expected, found: format!("'{}'", found.display()) })
+}
 
 /// Reads a transfer matrix; the extension says which format.
 pub fn read_matrix(path: &Path, description: &Description) -> Result<TransferMatrix> {

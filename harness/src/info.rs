@@ -60,7 +60,7 @@ impl Info {
             responses: shape.responses,
             lights: shape.lights,
             basis: compressed.basis().to_string(),
-            resident_bytes: sink.resident_bytes() as u64,
+            resident_bytes: compressed.resident_bytes() as u64,
             file_bytes: file.len(),
             sections: sink.sizes().map(|(name, size)| (name.to_string(), size.into())).collect(),
             multiplications: flops.multiplications,

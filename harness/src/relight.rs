@@ -26,6 +26,7 @@ pub struct Relight {
 
 /// Runs the command.
 pub fn run(arguments: &Relight) -> anyhow::Result<()> {
+    files::expect_extension(&arguments.output, "npy")?;
     let compressed = files::read_prt(&arguments.input, &registry())?;
     let light = light(&arguments.light, compressed.basis())?;
     Error::expect_size(

@@ -24,9 +24,9 @@ impl Results {
         &self.path
     }
 
-    /// The finished measurement that makes `planned` superfluous.
+    /// The finished measurement that makes `planned` superfluous; a failure is tried again.
     pub fn finished(&self, planned: &Row) -> Option<&Row> {
-        self.rows.iter().find(|row| row.same_measurement(planned))
+        self.rows.iter().find(|row| row.is_ok() && row.same_measurement(planned))
     }
 
     /// Adds a row in place of an older one of the same subject, and writes the file.

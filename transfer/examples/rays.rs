@@ -1,16 +1,18 @@
 //! Occlusion rays per second, from every vertex of a mesh to the directions of a cubemap.
 //!
-//!     cargo run --release --features scene --example rays [MESH.ply] [RESOLUTION SUPERSAMPLING]
+//!     cargo run --release -p prt-transfer --features scene,io --example rays -- [MESH.ply] [RESOLUTION SUPERSAMPLING]
 //!
-//! Without a mesh: a bumpy sphere. `benches/peers/visibility_embree.py` traces the same rays with Embree.
+//! Without a mesh: the built-in bumpy sphere. `benches/peers/visibility_embree.py` traces the same rays with Embree.
 
 // A program may print.
 #![allow(clippy::print_stdout)]
 
 use glam::Vec3;
-use prt_transfer::mesh::Mesh;
+use prt_transfer::io;
 use prt_transfer::scene::bvh::Occluders;
 use prt_transfer::scene::directions::Directions;
+use prt_transfer::scene::repair::repair;
+use prt_transfer::scene::shapes;
 use std::error::Error;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
@@ -18,8 +20,8 @@ use std::time::Instant;
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let mesh = match arguments.first() {
-        Some(path) => read_ply(path)?,
-        None => bumpy_sphere(96),
+        Some(path) => repair(io::mesh::read(path)?)?.0,
+        None => shapes::find("bumpy-sphere")?.build(18_000)?,
     };
     let number = |place: usize, otherwise| arguments.get(place).map_or(Ok(otherwise), |text| text.parse());
     let directions = Directions::cubemap(number(1, 32)?, number(2, 2)?)?;
@@ -62,56 +64,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     Ok(())
-}
-
-/// A closed, concave surface of 4·n² triangles.
-fn bumpy_sphere(n: usize) -> Mesh {
-    let (rings, around) = (n, 2 * n);
-    let mut mesh = Mesh::default();
-    for k in 0..(rings + 1) * around {
-        let theta = std::f32::consts::PI * (k / around) as f32 / rings as f32;
-        let phi = std::f32::consts::TAU * (k % around) as f32 / around as f32;
-        let d = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-        mesh.positions.push(d * (1.0 + 0.15 * (7.0 * d.x).sin() * (7.0 * d.y).sin() * (7.0 * d.z).sin()));
-    }
-    for k in 0..rings * around {
-        let (row, right) = (k / around * around, (k + 1) % around);
-        let [a, b] = [k, row + right].map(|i| i as u32);
-        let down = around as u32;
-        mesh.faces.extend([[a, a + down, b + down], [a, b + down, b]]);
-    }
-    mesh.normals = vec![Vec3::ZERO; mesh.positions.len()];
-    for face in &mesh.faces {
-        let [a, b, c] = face.map(|i| mesh.positions[i as usize]);
-        face.iter().for_each(|&i| mesh.normals[i as usize] += (b - a).cross(c - a));
-    }
-    mesh.normals.iter_mut().for_each(|n| *n = n.normalize_or(Vec3::Z));
-    mesh
-}
-
-/// Binary little-endian PLY with x y z nx ny nz and triangles.
-fn read_ply(path: &str) -> Result<Mesh, Box<dyn Error>> {
-    let bytes = std::fs::read(path)?;
-    let end = bytes.windows(11).position(|w| w == b"end_header\n").ok_or("no end_header")? + 11;
-    let header = std::str::from_utf8(&bytes[..end])?;
-    let count = |name: &str| -> Result<usize, Box<dyn Error>> {
-        let line = header.lines().find_map(|line| line.strip_prefix(name)).ok_or("an element is missing")?;
-        Ok(line.trim().parse()?)
-    };
-    let (vertices, faces) = (count("element vertex")?, count("element face")?);
-    let body = &bytes[end..];
-    if body.len() != vertices * 24 + faces * 13 {
-        return Err("vertices must be x y z nx ny nz, faces triangles".into());
-    }
-    let (vertex, face) = body.split_at(vertices * 24);
-    let vector =
-        |b: &[u8]| Vec3::from_array([0, 4, 8].map(|i| f32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]])));
-    Ok(Mesh {
-        positions: vertex.chunks_exact(24).map(vector).collect(),
-        normals: vertex.chunks_exact(24).map(|b| vector(&b[12..])).collect(),
-        faces: face
-            .chunks_exact(13)
-            .map(|b| [1, 5, 9].map(|i| u32::from_le_bytes([b[i], b[i + 1], b[i + 2], b[i + 3]])))
-            .collect(),
-    })
 }

@@ -2,7 +2,8 @@
 //!
 //! A kernel is generic over [`Count`]. Relighting runs it with [`NoCount`], which compiles to nothing; [`crate::Encoded::flops`]
 //! runs the same kernel with a [`Tally`]. A product accumulated onto a sum is one multiplication and one addition, so that the
-//! papers' count for a sparse product, 2·nnz, is [`Flops::total`]. A multiplication by 1 or -1 costs nothing in a kernel that
+//! papers' count for a sparse product, 2·nnz, is [`Flops::total`]. Unpacking a stored number (a half or an integer times a
+//! power of two) is decoding and not counted; a factor that differs from row to row is. A multiplication by 1 or -1 costs nothing in a kernel that
 //! knows its values: [`Flops::value_aware`] leaves those out.
 
 use std::ops::{Add, AddAssign};

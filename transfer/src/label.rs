@@ -48,6 +48,9 @@ impl Stage {
             let Some((key, value)) = part.split_once('=') else {
                 return fail(format!("'{part}' must be name=value"));
             };
+            if value.contains(',') {
+                return fail(format!("'{part}': parameters are separated by ':', not ','"));
+            }
             if !word(key) || value.is_empty() {
                 return fail(format!("'{part}' must be name=value"));
             }

@@ -5,6 +5,9 @@ use crate::error::{Error, Result};
 use ndarray::{ArrayView2, ArrayViewMut2};
 use rayon::prelude::*;
 
+/// Most rows of a matrix without columns.
+const MAX_EMPTY_ROWS: usize = 1 << 20;
+
 /// Most light coefficients (columns) a matrix may have: a cubemap of 6 x 2048 x 2048 texels fits.
 pub const MAX_LIGHTS: usize = 1 << 25;
 
@@ -34,6 +37,14 @@ impl Shape {
                 what: "light coefficients".into(),
                 limit: MAX_LIGHTS as u64,
                 found: lights as u64,
+            });
+        }
+        // Rows without lights have no elements that a file would have to hold: nothing else would bound their number.
+        if let (0, Some(rows)) = (lights, samples.checked_mul(responses).filter(|rows| *rows > MAX_EMPTY_ROWS)) {
+            return Err(Error::TooLarge {
+                what: "rows without lights".into(),
+                limit: MAX_EMPTY_ROWS as u64,
+                found: rows as u64,
             });
         }
         let cells = samples.checked_mul(responses).and_then(|rows| rows.checked_mul(lights.max(1)));

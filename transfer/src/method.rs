@@ -5,7 +5,7 @@ use crate::codec::{Codec, Encoded, Restore};
 use crate::error::{Error, Result};
 use crate::flops::Flops;
 use crate::label::{Label, Stage};
-use crate::matrix::{Layout, Shape, TransferMatrix, check_apply};
+use crate::matrix::{Layout, Row, Shape, TransferMatrix, check_apply};
 use crate::params::{Field, Params};
 use crate::progress::Progress;
 use crate::sections::{Section, Sink, Source};
@@ -164,6 +164,15 @@ impl Registry {
         let known = || self.codecs.iter().map(|e| e.tag).collect::<Vec<_>>().join(", ");
         let unknown = || Error::Unknown { what: "codec layout", name: header.tag.clone(), known: known() };
         let entry = self.codecs.iter().find(|e| e.tag == header.tag).ok_or_else(unknown)?;
+        // The label must be that of the codec which the tag names, with parameters that it accepts.
+        let written = self.method(&header.label)?.codec.tag();
+        if written != entry.tag {
+            return Err(Error::Unsupported {
+                what: format!("codec layout of {}", header.label),
+                expected: written.into(),
+                found: header.tag.clone(),
+            });
+        }
         let shape = Shape::new(header.shape.samples, header.shape.responses, transform.output().lights())?;
         let encoded = (entry.restore)(shape, &mut source)?;
         source.finish()?;
@@ -235,9 +244,13 @@ pub fn transform_rows(
     let (from, to, responses) = (matrix.lights(), basis.lights(), matrix.shape().responses);
     progress.start("transform", rows as u64);
     let row_into = |row: usize, buffer: &mut Vec<f32>, out: &mut [f32]| {
-        buffer.resize(from, 0.0);
-        matrix.gather(row, buffer);
-        transform.row_into(buffer, out);
+        if let Row::Dense(values) = matrix.row(row) {
+            transform.row_into(values, out);
+        } else {
+            buffer.resize(from, 0.0);
+            matrix.gather(row, buffer);
+            transform.row_into(buffer, out);
+        }
         progress.advance(1)
     };
     if !matrix.is_sparse() {
@@ -314,6 +327,10 @@ impl Compressed {
         self.transform.write(&mut sink);
         self.encoded.write(&mut sink);
         sink
+    }
+    /// Bytes that relighting holds in memory: all sections, and what the transform derives from its label and basis.
+    pub fn resident_bytes(&self) -> usize {
+        self.sections().resident_bytes() + self.transform.derived_bytes()
     }
     /// Relights: `out` (rows x channels) = T̃ · `lights` (lights x channels).
     pub fn apply_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {

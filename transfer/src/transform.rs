@@ -32,6 +32,10 @@ pub trait LightTransform: Send + Sync {
     fn light_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>);
     /// Operations of [`LightTransform::light_into`] for one channel, counted as it runs.
     fn flops(&self, light: &[f32]) -> Flops;
+    /// Bytes that relighting holds in memory besides the sections: what was derived from the label and the basis.
+    fn derived_bytes(&self) -> usize {
+        0
+    }
     /// Whether rows and lights pass unchanged, so that they need not be copied.
     fn is_identity(&self) -> bool {
         false

@@ -144,6 +144,10 @@ impl LightTransform for BoundHaar {
         }
     }
 
+    fn derived_bytes(&self) -> usize {
+        self.roots.iter().flatten().map(|roots| size_of_val(&roots[..])).sum()
+    }
+
     fn flops(&self, light: &[f32]) -> Flops {
         let mut tally = Tally::default();
         self.light(light, &mut vec![0f32; light.len()], &mut tally);

@@ -48,6 +48,10 @@ impl AtomicFile {
     /// Opens a temporary file in the folder of `path`. Fails where the folder does not exist or refuses.
     pub fn create(path: impl AsRef<Path>) -> Result<AtomicFile> {
         let path = path.as_ref();
+        if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty() && !f.exists()) {
+            let cause = io::Error::new(io::ErrorKind::NotFound, format!("folder {} does not exist", folder.display()));
+            return Err(Error::Io { action: "create", path: path.into(), cause });
+        }
         let target = open(path).map_err(|cause| Error::Io { action: "create", path: path.into(), cause })?;
         Ok(AtomicFile { path: path.into(), writer: BufWriter::with_capacity(1 << 16, target) })
     }

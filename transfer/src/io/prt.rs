@@ -57,7 +57,7 @@ pub struct SectionInfo {
 pub struct Sizes {
     /// The file's header, magic and checksum included.
     pub header: u64,
-    /// In memory while relighting: header and raw sections.
+    /// In memory while relighting: the raw sections.
     pub resident: u64,
     /// At rest: the file.
     pub file: u64,
@@ -121,7 +121,7 @@ pub fn inspect(bytes: &[u8]) -> Result<Contents> {
         }
     }
     let raw = sections.iter().map(|s| s.raw).sum::<u64>();
-    let sizes = Sizes { header: length as u64, resident: length as u64 + raw, file: bytes.len() as u64 };
+    let sizes = Sizes { header: length as u64, resident: raw, file: bytes.len() as u64 };
     Ok(Contents { header, sections, sizes })
 }
 

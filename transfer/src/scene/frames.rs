@@ -187,7 +187,8 @@ fn spanning_tree(mesh: &Mesh, normals: &[DVec3], neighbours: &Neighbours) -> Vec
             let tangent = carried.unwrap_or_else(|| axis_tangent(normals[to]));
             tangents[to] = tangent.reject_from_normalized(normals[to]).normalize();
             along.extend(neighbours.at(to).iter().map(|&v| (Some(to), v as usize)));
-            across.extend(twins[&place(to)].iter().map(|&v| (Some(to), v)));
+            // Once for each position: the first vertex to be reached hands its tangent on to all.
+            across.extend(twins.remove(&place(to)).into_iter().flatten().map(|v| (Some(to), v)));
         }
     }
     tangents

@@ -51,8 +51,10 @@ pub(crate) trait Task {
 #[inline]
 pub(crate) fn dispatch<T: Task>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
-    if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
-        // SAFETY: both features were just found.
+    use std::arch::is_x86_feature_detected as has;
+    #[cfg(target_arch = "x86_64")]
+    if has!("avx2") && has!("fma") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt") {
+        // SAFETY: all features that `x86::run` enables were just found.
         return unsafe { x86::run(task) };
     }
     task.run::<Portable>()

@@ -22,7 +22,7 @@ crate::params! {
 const MAX_TRANSFORM_ORDER: usize = 32;
 
 /// Numbers that a bound transform may hold: 256 MiB of moments.
-const MAX_MOMENTS: usize = 1 << 26;
+const MAX_MOMENTS: usize = 1 << 24;
 
 /// The light transform from texels to spherical harmonics.
 ///
@@ -66,11 +66,11 @@ impl Transform for Sh {
     fn bind(&self, basis: &LightBasis) -> Result<BoundSh> {
         let order = self.0.order;
         let too_coarse = || wrong_basis("sh", &format!("texels that tell {} harmonics apart", order * order), basis);
-        let angles = basis.solid_angles().ok_or_else(|| wrong_basis("sh", "texels: cubemap or latlong", basis))?;
-        let (limit, found) = (MAX_MOMENTS as u64, angles.len() as u64 * (order * order) as u64);
+        let (limit, found) = (MAX_MOMENTS as u64, basis.lights() as u64 * (order * order) as u64);
         if found > limit {
             return Err(Error::TooLarge { what: format!("moments of sh:order={order} on {basis}"), limit, found });
         }
+        let angles = basis.solid_angles().ok_or_else(|| wrong_basis("sh", "texels: cubemap or latlong", basis))?;
         if angles.len() < order * order {
             return Err(too_coarse());
         }
@@ -182,6 +182,11 @@ impl LightTransform for BoundSh {
             let coefficients = self.project(light.iter().copied(), &mut NoCount);
             out.iter_mut().zip(coefficients).for_each(|(out, c)| *out = c as f32);
         }
+    }
+
+    fn derived_bytes(&self) -> usize {
+        let BoundSh { moments, inverse_angles, gram, .. } = self;
+        size_of_val(&moments[..]) + size_of_val(&inverse_angles[..]) + size_of_val(&gram.lower[..])
     }
 
     fn flops(&self, light: &[f32]) -> Flops {
