@@ -106,7 +106,10 @@ impl Chart {
 
     /// As SVG; with a line that says where it was measured.
     pub fn svg(&self, machine: Option<&Machine>) -> String {
-        SvgBackend.render_scene(&figure::scene(self, machine))
+        let scene = figure::scene(self, machine);
+        // Without a viewBox a browser that scales the picture would cut or pad it.
+        let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
+        SvgBackend.render_scene(&scene).replacen("<svg ", &view_box, 1)
     }
 
     /// As PNG of twice the SVG's size in pixels.
