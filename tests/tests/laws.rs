@@ -135,11 +135,13 @@ fn labels_read_back_what_they_print_and_print_only_what_differs() {
 #[test]
 fn unknown_names_and_values_are_refused_by_name() {
     let registry = registry();
-    for about in registry.codecs() {
+    let codecs = registry.codecs().into_iter().map(|about| (about, ""));
+    let transforms = registry.transforms().into_iter().map(|about| (about, "+csr"));
+    for (about, codec) in codecs.chain(transforms) {
         let refused = |label: String| registry.method(&label.parse().unwrap()).err().map(|e| e.to_string());
-        assert!(refused(format!("{}:nonsense=1", about.name)).unwrap().contains("nonsense"));
+        assert!(refused(format!("{}:nonsense=1{codec}", about.name)).unwrap().contains("nonsense"));
         for field in about.fields {
-            let message = refused(format!("{}:{}=nonsense", about.name, field.name)).unwrap();
+            let message = refused(format!("{}:{}=nonsense{codec}", about.name, field.name)).unwrap();
             assert!(message.contains(field.name) && message.contains("nonsense"), "{message}");
         }
     }

@@ -10,7 +10,7 @@ use crate::flops::Flops;
 use crate::matrix::{Shape, TransferMatrix};
 use crate::narrow::{Narrow, Pattern, Values};
 use crate::progress::Progress;
-use crate::sections::{Sink, Source};
+use crate::sections::{Sink, Source, broken};
 use ndarray::{ArrayView2, ArrayViewMut2};
 
 crate::params! {
@@ -70,6 +70,10 @@ impl Restore for EncodedF16 {
     const TAG: &'static str = "f16.1";
 
     fn read(shape: Shape, source: &mut Source) -> Result<EncodedF16> {
-        Ok(EncodedF16(Narrow::read(shape, source)?))
+        let narrow = Narrow::read(shape, source)?;
+        if !narrow.is_half() {
+            return Err(broken("header/layout", "form 1, halves", "another form"));
+        }
+        Ok(EncodedF16(narrow))
     }
 }

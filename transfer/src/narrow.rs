@@ -162,6 +162,11 @@ impl Narrow {
         Narrow { shape, pattern: None, values }
     }
 
+    /// Whether values are halves.
+    pub(crate) fn is_half(&self) -> bool {
+        matches!(self.values, Values::Half { .. })
+    }
+
     pub(crate) fn shape(&self) -> Shape {
         self.shape
     }
