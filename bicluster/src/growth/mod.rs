@@ -1,0 +1,1 @@
+//! Growth of biclusters: the paper's Algorithm 1.
