@@ -1,6 +1,23 @@
 //! Biclustering of sparse transfer matrices.
 
+mod archive;
+mod block;
+mod codec;
+mod distinct;
+mod encoded;
 mod growth;
+mod kernel;
+mod lay_out;
+mod listing;
+mod pairs;
 mod params;
+mod places;
+mod planes;
+mod regions;
+mod sums;
+mod symbols;
+mod wire;
 
-pub use params::{Levels, Objective, Seeds};
+pub use codec::Bicluster;
+pub use encoded::EncodedBicluster;
+pub use params::{BiclusterParams, Levels, Objective, Seeds};

@@ -33,3 +33,19 @@ prt_transfer::choices! {
         Best = "best",
     }
 }
+
+prt_transfer::params! {
+    /// Sums that rows share are computed once: biclusters of light coefficients and rows. Exact unless max_error is given.
+    pub struct BiclusterParams: "bicluster" {
+        /// What a shared sum must save: bytes (memory) or flops (operations, the paper's cost).
+        objective: Objective = Objective::Bytes,
+        /// Nesting of sums: 1 (biclusters grown as in the paper), 2 (their memberships biclustered again), or all.
+        levels: Levels = Levels::All,
+        /// Where biclusters of levels=1 and 2 start: random (the paper), longest or best; none = best.
+        seeds: Option<Seeds> = None,
+        /// Seed of seeds=random.
+        seed: u64 = 0,
+        /// Bound on Σ(T-T̃)²/ΣT², 0 to 1, which may be used up for elements that cost much and matter little; none = exact.
+        max_error: Option<f64> = None,
+    }
+}

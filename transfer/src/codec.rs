@@ -38,6 +38,11 @@ pub trait Encoded: Send + Sync {
     fn flops(&self, light: &[f32]) -> Flops;
     /// Writes everything that [`Restore::read`] needs besides the shape, section by section.
     fn write(&self, sink: &mut Sink);
+    /// Writes what relighting holds in memory, array by array, where that is not what [`Encoded::write`] writes: a codec may
+    /// keep a shorter form in the file and derive the rest from it.
+    fn hold(&self, sink: &mut Sink) {
+        self.write(sink);
+    }
 }
 
 /// The way back from sections.

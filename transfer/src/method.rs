@@ -321,16 +321,23 @@ impl Compressed {
             layout: self.layout,
         }
     }
-    /// What the method writes, section by section: the source of all sizes.
+    /// What the method writes to a file, section by section.
     pub fn sections(&self) -> Sink {
         let mut sink = Sink::new();
         self.transform.write(&mut sink);
         self.encoded.write(&mut sink);
         sink
     }
-    /// Bytes that relighting holds in memory: all sections, and what the transform derives from its label and basis.
+    /// What relighting holds in memory, array by array, except what the transform derives from its label and basis.
+    pub fn held(&self) -> Sink {
+        let mut sink = Sink::new();
+        self.transform.write(&mut sink);
+        self.encoded.hold(&mut sink);
+        sink
+    }
+    /// Bytes that relighting holds in memory: [`Compressed::held`], and what the transform derives.
     pub fn resident_bytes(&self) -> usize {
-        self.sections().resident_bytes() + self.transform.derived_bytes()
+        self.held().resident_bytes() + self.transform.derived_bytes()
     }
     /// Relights: `out` (rows x channels) = T̃ · `lights` (lights x channels).
     pub fn apply_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {

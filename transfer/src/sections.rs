@@ -41,6 +41,16 @@ impl Sink {
     pub fn put<T: Pod>(&mut self, name: &str, numbers: &[T]) {
         self.sections.push(Section { name: name.into(), bytes: bytemuck::cast_slice(numbers).to_vec() });
     }
+    /// Adds what `write` writes, each name with `prefix-` before its last part: `index/columns` becomes `index/rest-columns`.
+    pub fn nest(&mut self, prefix: &str, write: impl FnOnce(&mut Sink)) {
+        let mut sink = Sink::new();
+        write(&mut sink);
+        let renamed = |section: Section| match section.name.split_once('/') {
+            Some((kind, name)) => Section { name: format!("{kind}/{prefix}-{name}"), ..section },
+            None => Section { name: format!("{prefix}-{}", section.name), ..section },
+        };
+        self.sections.extend(sink.sections.into_iter().map(renamed));
+    }
     /// Bytes by section, in the order in which they were written.
     pub fn sizes(&self) -> impl Iterator<Item = (&str, usize)> {
         self.sections.iter().map(|s| (s.name.as_str(), s.bytes.len()))
@@ -68,6 +78,19 @@ impl Source {
     /// Whether a section of this name is left: for sections that a codec writes only where it needs them.
     pub fn has(&self, name: &str) -> bool {
         self.sections.iter().any(|s| s.name == name)
+    }
+    /// The sections that [`Sink::nest`] wrote with this prefix, under their own names; `None` without any.
+    pub fn nested(&mut self, prefix: &str) -> Option<Source> {
+        let own_name = |name: &str| {
+            let (kind, name) = name.split_once('/').map_or(("", name), |(kind, name)| (kind, name));
+            let name = name.strip_prefix(prefix)?.strip_prefix('-')?;
+            Some(if kind.is_empty() { name.into() } else { format!("{kind}/{name}") })
+        };
+        let nested = self.sections.extract_if(.., |s| own_name(&s.name).is_some());
+        let renamed = nested.map(|s| Section { name: own_name(&s.name).unwrap_or_default(), ..s });
+        let sections: Vec<Section> = renamed.collect();
+        // Names were unique before, and the same prefix has been taken from all.
+        (!sections.is_empty()).then_some(Source { sections })
     }
     /// The numbers of a section, however many.
     pub fn take<T: Pod + Zeroable>(&mut self, name: &str) -> Result<Vec<T>> {

@@ -1,0 +1,137 @@
+//! Relighting with shared sums.
+
+use crate::sums::{Columns, LANES, Sums};
+use ndarray::{ArrayView2, ArrayViewMut2, Axis};
+use prt_transfer::{Count, NoCount};
+use rayon::prelude::*;
+
+/// Rows that a thread gathers at a time.
+const ROWS: usize = 1 << 14;
+
+/// Products of all rows that differ behind a leading zero, for up to `N` channels.
+pub(crate) fn products<const N: usize>(sums: &Sums, lights: &[[f32; N]]) -> Vec<[f32; N]> {
+    let mut products = vec![[0.0; N]; sums.products() + 1];
+    let (mut parts, mut rest) = (Vec::with_capacity(sums.blocks.len()), &mut products[1..]);
+    for block in sums.starts.windows(2) {
+        let (part, after) = rest.split_at_mut(block[1].product - block[0].product);
+        parts.push(part);
+        rest = after;
+    }
+    parts.into_par_iter().enumerate().for_each_init(Vec::new, |symbols, (block, out)| {
+        run(sums, block, lights, symbols, out, &mut NoCount);
+    });
+    products
+}
+
+/// The products of one block. `symbols` is scratch.
+pub(crate) fn run<const N: usize, C: Count>(
+    sums: &Sums,
+    block: usize,
+    lights: &[[f32; N]],
+    symbols: &mut Vec<[f32; N]>,
+    out: &mut [[f32; N]],
+    count: &mut C,
+) {
+    let (start, end) = (sums.starts[block], sums.starts[block + 1]);
+    symbols.clear();
+    symbols.reserve(end.leaf - start.leaf + end.sum - start.sum);
+    let mut leaf = start.leaf;
+    for (&factor, &run) in sums.factors[start.run..end.run].iter().zip(&sums.runs[start.run..end.run]) {
+        let run = leaf..leaf + run as usize;
+        leaf = run.end;
+        if factor != 1.0 {
+            count.multiply(run.len());
+            count.factors(run.clone().map(|_| factor));
+        }
+        match &sums.columns {
+            Columns::U16(columns) => leaves(columns[run].iter().map(|&c| c.into()), factor, lights, symbols),
+            Columns::U32(columns) => leaves(columns[run].iter().map(|&c| c as usize), factor, lights, symbols),
+        }
+    }
+    let inputs = &sums.inputs[start.input..end.input];
+    count.add(inputs.len() - (end.sum - start.sum));
+    match sums.arities[..] {
+        [] => inputs.as_chunks::<2>().0.iter().for_each(|pair| {
+            let [a, b] = pair.map(|s| symbols[usize::from(s)]);
+            symbols.push(std::array::from_fn(|c| a[c] + b[c]));
+        }),
+        _ => {
+            let mut rest = inputs;
+            for &arity in &sums.arities[start.sum..end.sum] {
+                let (terms, after) = rest.split_at(arity.into());
+                rest = after;
+                symbols.push(add_up(terms.iter().copied(), symbols));
+            }
+        }
+    }
+    let (mut terms, mut out) = (&sums.terms[start.term..end.term], out);
+    for &[arity, rows] in &sums.groups[start.group..end.group] {
+        let (arity, rows) = (arity as usize, rows as usize);
+        let (group, rest) = terms.split_at(arity * rows);
+        let (products, after) = std::mem::take(&mut out).split_at_mut(rows);
+        (terms, out) = (rest, after);
+        count.add(rows * (arity - 1));
+        let lanes = rows / LANES * LANES;
+        let (interleaved, single) = group.split_at(lanes * arity);
+        let (of_lanes, of_single) = products.split_at_mut(lanes);
+        for (terms, out) in interleaved.chunks_exact(arity * LANES).zip(of_lanes.as_chunks_mut::<LANES>().0) {
+            *out = [[0.0; N]; LANES];
+            for terms in terms.as_chunks::<LANES>().0 {
+                for (out, &term) in out.iter_mut().zip(terms) {
+                    let symbol = symbols[usize::from(term)];
+                    (0..N).for_each(|c| out[c] += symbol[c]);
+                }
+            }
+        }
+        for (terms, out) in single.chunks_exact(arity).zip(of_single) {
+            *out = add_up(terms.iter().copied(), symbols);
+        }
+    }
+}
+
+#[inline(always)]
+fn leaves<const N: usize>(
+    columns: impl Iterator<Item = usize>,
+    factor: f32,
+    lights: &[[f32; N]],
+    symbols: &mut Vec<[f32; N]>,
+) {
+    if factor == 1.0 {
+        symbols.extend(columns.map(|c| lights[c]));
+    } else {
+        symbols.extend(columns.map(|c| lights[c].map(|x| factor * x)));
+    }
+}
+
+#[inline(always)]
+fn add_up<const N: usize>(terms: impl Iterator<Item = u16>, symbols: &[[f32; N]]) -> [f32; N] {
+    terms.fold([0.0; N], |sum, term| {
+        let symbol = symbols[usize::from(term)];
+        std::array::from_fn(|c| sum[c] + symbol[c])
+    })
+}
+
+/// Gives each row its product, or adds it where `onto` says so.
+pub(crate) fn gather<const N: usize>(sums: &Sums, products: &[[f32; N]], mut out: ArrayViewMut2<f32>, onto: bool) {
+    out.axis_chunks_iter_mut(Axis(0), ROWS).into_par_iter().zip(sums.slots.par_chunks(ROWS)).for_each(
+        |(mut rows, slots)| {
+            let width = rows.ncols();
+            if let (Some(out), false) = (rows.as_slice_mut(), onto) {
+                for (out, &slot) in out.chunks_exact_mut(width).zip(slots) {
+                    out.copy_from_slice(&products[slot as usize][..width]);
+                }
+                return;
+            }
+            for (mut row, &slot) in rows.outer_iter_mut().zip(slots) {
+                let product = products[slot as usize];
+                row.iter_mut().zip(product).for_each(|(y, p)| *y = if onto { *y + p } else { p });
+            }
+        },
+    );
+}
+
+/// The channels of each light coefficient side by side, up to `N` of them.
+pub(crate) fn pack<const N: usize>(lights: ArrayView2<f32>) -> Vec<[f32; N]> {
+    let channels = lights.ncols();
+    lights.outer_iter().map(|x| std::array::from_fn(|c| if c < channels { x[c] } else { 0.0 })).collect()
+}
