@@ -70,12 +70,11 @@ pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<Sums> {
 impl Sums {
     /// The elements of a row, columns ascending.
     fn elements(&self, row: usize, out: &mut Vec<Leaf>) {
-        if let Some(product) = self.slots[row].checked_sub(1) {
-            self.expand(product as usize, &mut |leaf| out.push(leaf));
-        }
+        let Some(product) = self.slots[row].checked_sub(1) else { return };
+        self.expand(product as usize, &mut |leaf| out.push(leaf));
         if let Some(rest) = &self.rest {
             let mut values = vec![0.0; self.shape.lights];
-            rest.row_into(row, &mut values);
+            rest.row_into(product as usize, &mut values);
             out.extend((0..).zip(values).filter(|(_, v)| *v != 0.0));
         }
         out.sort_unstable_by_key(|leaf| leaf.0);

@@ -27,7 +27,7 @@ pub(crate) struct Code {
 impl Block {
     /// Finds shared sums of any depth.
     pub(crate) fn search(kinds: Vec<u32>, rows: Vec<Vec<Leaf>>, objective: Objective, bytes_per_element: f64) -> Block {
-        let Symbols { leaves, rows: mut terms, left } = Symbols::of(&rows);
+        let Symbols { leaves, rows: mut terms, left } = Symbols::of(&rows, 0);
         // A pair takes two indices and saves one in every row.
         let least = match objective {
             Objective::Flops => 2,
@@ -39,7 +39,7 @@ impl Block {
 
     /// Applies the pairs of an earlier search.
     pub(crate) fn replay(kinds: Vec<u32>, rows: Vec<Vec<Leaf>>, pairs: Vec<Pair>) -> Option<Block> {
-        let Symbols { leaves, rows: mut terms, left } = Symbols::of(&rows);
+        let Symbols { leaves, rows: mut terms, left } = Symbols::of(&rows, 0);
         let known = |(i, pair): (usize, &Pair)| usize::from(pair[1]) < leaves.len() + i && pair[0] < pair[1];
         if leaves.len() + pairs.len() > crate::symbols::SYMBOLS || !pairs.iter().enumerate().all(known) {
             return None;

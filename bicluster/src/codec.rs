@@ -1,12 +1,12 @@
 //! `bicluster`: the codec.
 
+use crate::approximate::approximate;
 use crate::block::Block;
-use crate::distinct::Distinct;
 use crate::encoded::EncodedBicluster;
-use crate::params::{BiclusterParams, Levels, Objective, Seeds};
-use crate::lay_out::{compact, lay_out, rows};
-use crate::places::places;
-use crate::regions::{blocks, regions};
+use crate::growth::Options;
+use crate::lay_out::{compact, lay_out, partition, rows};
+use crate::params::{BiclusterParams, Levels, Seeds};
+use prt_transfer::params::Value;
 use prt_transfer::{Codec, Configure, Encoded, Error, Params, Progress, Result, Sink, TransferMatrix};
 use rayon::prelude::*;
 
@@ -19,6 +19,12 @@ impl Configure for Bicluster {
     fn new(params: BiclusterParams) -> Result<Bicluster> {
         if let Some(bound) = params.max_error.filter(|e| !(0.0..=1.0).contains(e)) {
             return Err(BiclusterParams::refuse("max_error", bound, "from 0 to 1"));
+        }
+        if let (Some(seeds), Levels::All) = (params.seeds, params.levels) {
+            return Err(BiclusterParams::refuse("seeds", seeds.show(), "none where levels=all, which grows nothing"));
+        }
+        if params.seed != 0 && params.seeds != Some(Seeds::Random) {
+            return Err(BiclusterParams::refuse("seed", params.seed, "0 without seeds=random"));
         }
         Ok(Bicluster(params))
     }
@@ -36,21 +42,38 @@ impl Codec for Bicluster {
             let limit = u64::from(u32::MAX) - 1;
             return Err(Error::TooLarge { what: "rows to bicluster".into(), limit, found: matrix.rows() as u64 });
         }
+        match self.0.max_error {
+            Some(bound) if bound > 0.0 => self.exact(&approximate(matrix, bound, progress)?, progress),
+            _ => self.exact(matrix, progress),
+        }
+    }
+}
+
+impl Bicluster {
+    fn exact(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<EncodedBicluster> {
+        let BiclusterParams { objective, levels, seeds, seed, .. } = self.0;
+        let options = Options { seeds: seeds.unwrap_or(Seeds::Best), seed, objective };
         let compact = compact(matrix, progress)?;
         let bytes = held(&compact);
         let bytes_per_element = bytes as f64 / matrix.non_zeros().max(1) as f64;
-        let distinct = Distinct::of(matrix, progress)?;
-        let regions = regions(matrix, &distinct, &places(matrix));
-        let kinds = blocks(matrix, &distinct, &regions);
+        let (distinct, regions, kinds) = partition(matrix, progress)?;
         progress.start("bicluster", distinct.first.len() as u64);
         let blocks = kinds.into_par_iter().map(|kinds| {
             let rows = rows(matrix, &distinct, &kinds);
             progress.advance(kinds.len() as u64)?;
-            Ok(Block::search(kinds, rows, self.0.objective, bytes_per_element))
+            Ok(match levels {
+                Levels::All => Block::search(kinds, rows, objective, bytes_per_element),
+                _ => Block::grow(kinds, rows, &options, levels == Levels::Two, bytes_per_element),
+            })
         });
         let blocks: Vec<Block> = blocks.collect::<Result<_>>()?;
+        // Only pairs can be found again from rows and regions.
+        let regions = if levels == Levels::All { regions } else { Vec::new() };
         let sums = lay_out(matrix, &distinct, &blocks, regions)?;
-        Ok(if sums.bytes() < bytes { EncodedBicluster::of_sums(sums) } else { EncodedBicluster::of_compact(compact) })
+        let smaller = sums.bytes() < bytes;
+        let (sums, compact) = (EncodedBicluster::of_sums(sums), EncodedBicluster::of_compact(compact));
+        let operations = |encoded: &EncodedBicluster| encoded.flops(&vec![0.0; matrix.lights()]).total();
+        Ok(if smaller && operations(&sums) <= operations(&compact) { sums } else { compact })
     }
 }
 

@@ -10,8 +10,8 @@ use prt_transfer::matrix::check_apply;
 use prt_transfer::{Encoded, Flops, Restore, Result, Shape, Sink, Source, Tally};
 
 /// Sums that rows share, or where they do not pay the matrix in narrow widths. Relighting multiplies once for each leaf of a block whose value is not 1, and adds
-/// n - 1 times for each sum and each distinct row of n terms; elements that no sum covers take a multiplication and an
-/// addition each, and then each row one more addition.
+/// n - 1 times for each sum and each distinct row of n terms. Where there are elements that no sum covers, they take a
+/// multiplication and an addition each, and every distinct row one more addition.
 pub struct EncodedBicluster(pub(crate) Form);
 
 pub(crate) enum Form {
@@ -42,15 +42,12 @@ impl Encoded for EncodedBicluster {
             Form::Sums(sums) => sums,
         };
         check_apply(sums.shape, &lights, &out)?;
-        if let Some(rest) = &sums.rest {
-            rest.apply_into(lights, out.view_mut())?;
-        }
         for first in (0..lights.ncols()).step_by(4) {
             let channels = s![.., first..lights.ncols().min(first + 4)];
             let (lights, out) = (lights.slice(channels), out.slice_mut(channels));
             match lights.ncols() {
-                1 => apply::<1>(sums, lights, out),
-                _ => apply::<4>(sums, lights, out),
+                1 => apply::<1>(sums, lights, out)?,
+                _ => apply::<4>(sums, lights, out)?,
             }
         }
         Ok(())
@@ -77,7 +74,7 @@ impl Encoded for EncodedBicluster {
         let flops = tally.0;
         match &sums.rest {
             Some(rest) => {
-                let onto = Flops { additions: sums.shape.rows() as u64, ..Flops::default() };
+                let onto = Flops { additions: sums.products() as u64, ..Flops::default() };
                 flops + onto + rest.flops(light.as_flattened())
             }
             None => flops,
@@ -103,21 +100,20 @@ impl Encoded for EncodedBicluster {
     }
 }
 
-fn apply<const N: usize>(sums: &Sums, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) {
-    let products = kernel::products(sums, &kernel::pack::<N>(lights));
-    kernel::gather(sums, &products, out, sums.rest.is_some());
+fn apply<const N: usize>(sums: &Sums, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {
+    kernel::gather::<N>(sums, &kernel::products(sums, lights)?, out);
+    Ok(())
 }
 
 impl Sums {
     fn row_into(&self, row: usize, out: &mut [f32]) {
-        match &self.rest {
-            Some(rest) => rest.row_into(row, out),
-            None => out.fill(0.0),
+        out.fill(0.0);
+        let Some(product) = self.slots[row].checked_sub(1) else { return };
+        if let Some(rest) = &self.rest {
+            rest.row_into(product as usize, out);
         }
-        if let Some(product) = self.slots[row].checked_sub(1) {
-            // Residuals of a bicluster are exact differences, so that what adds up here is the element itself.
-            self.expand(product as usize, &mut |(column, value)| out[column as usize] += value);
-        }
+        // Residuals of a bicluster are exact differences, so that what adds up here is the element itself.
+        self.expand(product as usize, &mut |(column, value)| out[column as usize] += value);
     }
 }
 

@@ -1,26 +1,37 @@
 //! Relighting with shared sums.
+//!
+//! Symbols are looked up without bounds checks: [`Sums`] whose symbols all exist are the only ones there are, since
+//! [`Sums::new`] numbers what it lays out and the reader of a file refuses others ([`Sums::check`]).
 
 use crate::sums::{Columns, LANES, Sums};
-use ndarray::{ArrayView2, ArrayViewMut2, Axis};
-use prt_transfer::{Count, NoCount};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
+use prt_transfer::{Count, Encoded, NoCount, Result};
 use rayon::prelude::*;
 
 /// Rows that a thread gathers at a time.
 const ROWS: usize = 1 << 14;
 
 /// Products of all rows that differ behind a leading zero, for up to `N` channels.
-pub(crate) fn products<const N: usize>(sums: &Sums, lights: &[[f32; N]]) -> Vec<[f32; N]> {
+pub(crate) fn products<const N: usize>(sums: &Sums, lights: ArrayView2<f32>) -> Result<Vec<[f32; N]>> {
     let mut products = vec![[0.0; N]; sums.products() + 1];
-    let (mut parts, mut rest) = (Vec::with_capacity(sums.blocks.len()), &mut products[1..]);
+    let packed = pack(lights);
+    let (mut parts, mut after) = (Vec::with_capacity(sums.blocks.len()), &mut products[1..]);
     for block in sums.starts.windows(2) {
-        let (part, after) = rest.split_at_mut(block[1].product - block[0].product);
+        let (part, next) = after.split_at_mut(block[1].product - block[0].product);
         parts.push(part);
-        rest = after;
+        after = next;
     }
     parts.into_par_iter().enumerate().for_each_init(Vec::new, |symbols, (block, out)| {
-        run(sums, block, lights, symbols, out, &mut NoCount);
+        run(sums, block, &packed, symbols, out, &mut NoCount);
     });
-    products
+    if let Some(rest) = &sums.rest {
+        let mut of_rest = Array2::zeros((sums.products(), lights.ncols()));
+        rest.apply_into(lights, of_rest.view_mut())?;
+        for (product, rest) in products[1..].iter_mut().zip(of_rest.outer_iter()) {
+            product.iter_mut().zip(rest).for_each(|(y, rest)| *y += rest);
+        }
+    }
+    Ok(products)
 }
 
 /// The products of one block. `symbols` is scratch.
@@ -52,7 +63,8 @@ pub(crate) fn run<const N: usize, C: Count>(
     count.add(inputs.len() - (end.sum - start.sum));
     match sums.arities[..] {
         [] => inputs.as_chunks::<2>().0.iter().for_each(|pair| {
-            let [a, b] = pair.map(|s| symbols[usize::from(s)]);
+            // SAFETY: a sum has only terms that come before it in its block, as the module's documentation says.
+            let [a, b] = pair.map(|s| unsafe { *symbols.get_unchecked(usize::from(s)) });
             symbols.push(std::array::from_fn(|c| a[c] + b[c]));
         }),
         _ => {
@@ -78,7 +90,8 @@ pub(crate) fn run<const N: usize, C: Count>(
             *out = [[0.0; N]; LANES];
             for terms in terms.as_chunks::<LANES>().0 {
                 for (out, &term) in out.iter_mut().zip(terms) {
-                    let symbol = symbols[usize::from(term)];
+                    // SAFETY: rows have only symbols of their block, all of which are there by now.
+                    let symbol = unsafe { symbols.get_unchecked(usize::from(term)) };
                     (0..N).for_each(|c| out[c] += symbol[c]);
                 }
             }
@@ -111,27 +124,33 @@ fn add_up<const N: usize>(terms: impl Iterator<Item = u16>, symbols: &[[f32; N]]
     })
 }
 
-/// Gives each row its product, or adds it where `onto` says so.
-pub(crate) fn gather<const N: usize>(sums: &Sums, products: &[[f32; N]], mut out: ArrayViewMut2<f32>, onto: bool) {
+/// Gives each row its product.
+pub(crate) fn gather<const N: usize>(sums: &Sums, products: &[[f32; N]], mut out: ArrayViewMut2<f32>) {
     out.axis_chunks_iter_mut(Axis(0), ROWS).into_par_iter().zip(sums.slots.par_chunks(ROWS)).for_each(
         |(mut rows, slots)| {
             let width = rows.ncols();
-            if let (Some(out), false) = (rows.as_slice_mut(), onto) {
-                for (out, &slot) in out.chunks_exact_mut(width).zip(slots) {
-                    out.copy_from_slice(&products[slot as usize][..width]);
-                }
-                return;
-            }
-            for (mut row, &slot) in rows.outer_iter_mut().zip(slots) {
-                let product = products[slot as usize];
-                row.iter_mut().zip(product).for_each(|(y, p)| *y = if onto { *y + p } else { p });
+            match (rows.as_slice_mut(), width) {
+                (Some(out), 1) => gather_rows::<1, N>(out, slots, products),
+                (Some(out), 2) => gather_rows::<2, N>(out, slots, products),
+                (Some(out), 3) => gather_rows::<3, N>(out, slots, products),
+                (Some(out), 4) => gather_rows::<4, N>(out, slots, products),
+                _ => rows.outer_iter_mut().zip(slots).for_each(|(mut row, &slot)| {
+                    row.iter_mut().zip(products[slot as usize]).for_each(|(y, p)| *y = p);
+                }),
             }
         },
     );
 }
 
+/// [`gather`] for `W` channels without gaps: a copy of a width known only at run time would be a call.
+fn gather_rows<const W: usize, const N: usize>(out: &mut [f32], slots: &[u32], products: &[[f32; N]]) {
+    for (out, &slot) in out.as_chunks_mut::<W>().0.iter_mut().zip(slots) {
+        out.iter_mut().zip(products[slot as usize]).for_each(|(y, p)| *y = p);
+    }
+}
+
 /// The channels of each light coefficient side by side, up to `N` of them.
-pub(crate) fn pack<const N: usize>(lights: ArrayView2<f32>) -> Vec<[f32; N]> {
+fn pack<const N: usize>(lights: ArrayView2<f32>) -> Vec<[f32; N]> {
     let channels = lights.ncols();
     lights.outer_iter().map(|x| std::array::from_fn(|c| if c < channels { x[c] } else { 0.0 })).collect()
 }

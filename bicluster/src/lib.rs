@@ -1,5 +1,6 @@
 //! Biclustering of sparse transfer matrices.
 
+mod approximate;
 mod archive;
 mod block;
 mod codec;
@@ -9,6 +10,7 @@ mod growth;
 mod kernel;
 mod lay_out;
 mod listing;
+mod nested;
 mod pairs;
 mod params;
 mod places;

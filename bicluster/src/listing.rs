@@ -130,10 +130,12 @@ impl Listing {
             && gaps.len() == lengths.len()
             && steps.len() == codes.len();
         if !agree || elements > (ELEMENTS_PER_BYTE * gaps.len()) as u64 {
-            let expected = format!("runs of {} samples, at most {ELEMENTS_PER_BYTE} elements each", shape.rows() / together);
+            let expected =
+                format!("runs of {} samples, at most {ELEMENTS_PER_BYTE} elements each", shape.rows() / together);
             return Err(broken("index/counts", expected, format!("{} counts, {runs} runs", counts.len())));
         }
-        let listing = Listing { together, counts, gaps, rows, lengths, table, steps, codes, elements: elements as usize };
+        let listing =
+            Listing { together, counts, gaps, rows, lengths, table, steps, codes, elements: elements as usize };
         let values = listing.values()?;
         listing.matrix(shape, &values)
     }

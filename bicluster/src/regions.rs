@@ -9,9 +9,9 @@ use crate::places::Place;
 use prt_transfer::TransferMatrix;
 
 /// Rows that a region aims at: more rows share more, fewer keep the sums of a block in the nearest cache.
-const REGION_ROWS: usize = 2560;
+const REGION_ROWS: usize = 4096;
 /// Rows of a block at most; more in one region are cut in their order.
-const BLOCK_ROWS: usize = 4096;
+const BLOCK_ROWS: usize = 8192;
 /// Regions at most: their numbers take two bytes.
 const REGIONS: usize = 1 << 15;
 
@@ -44,7 +44,8 @@ fn cut(columns: &mut [u32], rows: &[usize], places: &[Place], target: usize, par
     }
     let place = |c: &u32, axis: usize| places[*c as usize][axis];
     let extent = |axis: usize| {
-        let bounds = columns.iter().map(|c| place(c, axis)).fold([f32::MAX, f32::MIN], |[l, h], p| [l.min(p), h.max(p)]);
+        let bounds =
+            columns.iter().map(|c| place(c, axis)).fold([f32::MAX, f32::MIN], |[l, h], p| [l.min(p), h.max(p)]);
         bounds[1] - bounds[0]
     };
     let axis = (1..3).fold(0, |best, axis| if extent(axis) > extent(best) { axis } else { best });

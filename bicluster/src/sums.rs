@@ -6,8 +6,8 @@
 use crate::block::{Block, Code};
 use crate::distinct::EMPTY;
 use crate::symbols::Leaf;
-use prt_transfer::Shape;
 use prt_transfer::compact::EncodedCompact;
+use prt_transfer::{Encoded, Shape};
 
 /// Rows that are summed side by side, one in each lane: their terms are interleaved.
 pub(crate) const LANES: usize = 8;
@@ -35,7 +35,7 @@ pub(crate) struct Sums {
     pub(crate) terms: Vec<u16>,
     /// The region of each column, where the sums can be found again from rows and pairs; else empty.
     pub(crate) regions: Vec<u16>,
-    /// Elements that no sum covers.
+    /// Elements that no sum covers, a row for each product.
     pub(crate) rest: Option<Box<EncodedCompact>>,
     /// Where each block starts in the arrays: follows from them.
     pub(crate) starts: Vec<Start>,
@@ -84,8 +84,9 @@ pub(crate) struct Start {
 }
 
 impl Sums {
-    /// Lays blocks out. `kind` says of each row which of the blocks' distinct rows it equals.
-    pub(crate) fn new(shape: Shape, kind: &[u32], blocks: &[Block], regions: Vec<u16>) -> Sums {
+    /// Lays blocks out, and returns the distinct row behind each product: those with terms first, in their order. `kind` says
+    /// of each row of the matrix which distinct row it equals.
+    pub(crate) fn new(shape: Shape, kind: &[u32], blocks: &[Block], regions: Vec<u16>) -> (Sums, Vec<u32>) {
         let mut sums = Sums {
             shape,
             slots: Vec::new(),
@@ -102,20 +103,39 @@ impl Sums {
             starts: Vec::new(),
         };
         let binary = blocks.iter().filter_map(Block::code).all(|c| c.sums.iter().all(|s| s.len() == 2));
-        let mut slot_of_kind = vec![0u32; blocks.iter().map(|b| b.kinds.len()).sum()];
-        let mut products = 0;
-        for block in blocks {
-            if let Some(code) = block.code() {
-                sums.push(code, binary);
-                for row in by_terms(&code.rows) {
-                    products += 1;
-                    slot_of_kind[block.kinds[row] as usize] = products;
-                }
-            }
+        let mut products = Vec::new();
+        for (block, code) in blocks.iter().filter_map(|b| b.code().map(|code| (b, code))) {
+            sums.push(code, binary);
+            products.extend(by_terms(&code.rows).into_iter().map(|row| block.kinds[row]));
         }
-        sums.slots = kind.iter().map(|&k| if k == EMPTY { 0 } else { slot_of_kind[k as usize] }).collect();
+        let kinds = blocks.iter().map(|b| b.kinds.len()).sum();
+        let mut slots = vec![0u32; kinds];
+        let place = |slots: &mut Vec<u32>, products: &[u32], from: usize| {
+            (from as u32 + 1..).zip(&products[from..]).for_each(|(slot, &kind)| slots[kind as usize] = slot);
+        };
+        place(&mut slots, &products, 0);
+        let with_terms = products.len();
+        products.extend((0..kinds as u32).filter(|&kind| slots[kind as usize] == 0));
+        place(&mut slots, &products, with_terms);
+        sums.slots = kind.iter().map(|&k| if k == EMPTY { 0 } else { slots[k as usize] }).collect();
         sums.starts = sums.find_starts().expect("laid out in order");
-        sums
+        sums.shrink();
+        (sums, products)
+    }
+
+    /// Memory is what the arrays hold.
+    fn shrink(&mut self) {
+        self.blocks.shrink_to_fit();
+        self.factors.shrink_to_fit();
+        self.runs.shrink_to_fit();
+        match &mut self.columns {
+            Columns::U16(columns) => columns.shrink_to_fit(),
+            Columns::U32(columns) => columns.shrink_to_fit(),
+        }
+        self.arities.shrink_to_fit();
+        self.inputs.shrink_to_fit();
+        self.groups.shrink_to_fit();
+        self.terms.shrink_to_fit();
     }
 
     fn push(&mut self, code: &Code, binary: bool) {
@@ -174,12 +194,13 @@ impl Sums {
         starts.push(at);
         let found = [at.run, at.leaf, at.input, at.group, at.term];
         let held = [self.runs.len(), self.columns.len(), self.inputs.len(), self.groups.len(), self.terms.len()];
-        (found == held && (self.arities.is_empty() || self.arities.len() == at.sum)).then_some(starts)
+        (found == held && self.factors.len() == at.run && (self.arities.is_empty() || self.arities.len() == at.sum))
+            .then_some(starts)
     }
 
-    /// Products of all rows that differ.
+    /// Products of all rows that differ, those without terms last.
     pub(crate) fn products(&self) -> usize {
-        self.starts[self.blocks.len()].product
+        self.rest.as_ref().map_or(self.starts[self.blocks.len()].product, |rest| rest.shape().rows())
     }
 
     /// The block that a product belongs to, and its terms there.
@@ -205,6 +226,9 @@ impl Sums {
 
     /// The leaves that a product adds up, in no order; a light coefficient can occur several times.
     pub(crate) fn expand(&self, product: usize, leaf: &mut impl FnMut(Leaf)) {
+        if product >= self.starts[self.blocks.len()].product {
+            return;
+        }
         let (block, mut open) = self.terms_of(product);
         let (start, end) = (self.starts[block], self.starts[block + 1]);
         let leaves = end.leaf - start.leaf;

@@ -22,8 +22,9 @@ pub(crate) struct Symbols {
 }
 
 impl Symbols {
-    /// Elements that occur in several rows become leaves; those of one row only as well, where they are few.
-    pub(crate) fn of(rows: &[Vec<Leaf>]) -> Symbols {
+    /// Elements that occur in several rows become leaves; those of one row only as well, where they are few, and those of the
+    /// first `whole` rows in any case.
+    pub(crate) fn of(rows: &[Vec<Leaf>], whole: usize) -> Symbols {
         let mut elements: Vec<(u64, u32)> = Vec::with_capacity(rows.iter().map(Vec::len).sum());
         for (row, leaves) in rows.iter().enumerate() {
             elements.extend(leaves.iter().map(|&leaf| (key(leaf), row as u32)));
@@ -37,9 +38,10 @@ impl Symbols {
             counts.sort_unstable_by(|a, b| b.cmp(a));
             least = counts[LEAVES] + 1;
         }
-        let mut symbols = Symbols { leaves: Vec::new(), rows: vec![Vec::new(); rows.len()], left: vec![Vec::new(); rows.len()] };
+        let mut symbols =
+            Symbols { leaves: Vec::new(), rows: vec![Vec::new(); rows.len()], left: vec![Vec::new(); rows.len()] };
         for group in elements.chunk_by(|a, b| a.0 == b.0) {
-            if group.len() >= least {
+            if group.len() >= least || (group[0].1 as usize) < whole {
                 let symbol = symbols.leaves.len() as u16;
                 symbols.leaves.push(leaf(group[0].0));
                 group.iter().for_each(|&(_, row)| symbols.rows[row as usize].push(symbol));

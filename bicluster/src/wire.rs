@@ -1,9 +1,13 @@
 //! Sections of shared sums.
 
 use crate::sums::{Columns, Sums};
+use crate::symbols::SYMBOLS;
 use prt_transfer::compact::EncodedCompact;
 use prt_transfer::sections::broken;
 use prt_transfer::{Encoded, Restore, Result, Shape, Sink, Source};
+
+/// Leaves of a sum at most, for each light coefficient: a coefficient occurs once, and again for each residual.
+const LEAVES_PER_LIGHT: usize = 256;
 
 /// Writes the arrays as they are.
 pub(crate) fn write(sums: &Sums, sink: &mut Sink) {
@@ -25,6 +29,7 @@ pub(crate) fn write(sums: &Sums, sink: &mut Sink) {
         sink.put("index/regions", &sums.regions);
     }
     if let Some(rest) = &sums.rest {
+        sink.put("header/products", &[rest.shape().rows() as u32]);
         sink.nest("rest", |sink| rest.write(sink));
     }
 }
@@ -45,21 +50,34 @@ pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<Sums> {
         inputs: source.take("index/inputs")?,
         groups: source.take("index/groups")?.as_chunks::<2>().0.to_vec(),
         terms: source.take("index/terms")?,
-        regions: if source.has("index/regions") { source.take_exact("index/regions", shape.lights)? } else { Vec::new() },
-        rest: match source.nested("rest") {
-            Some(mut nested) => {
-                let rest = EncodedCompact::read(shape, &mut nested)?;
-                nested.finish()?;
-                Some(Box::new(rest))
-            }
-            None => None,
+        regions: if source.has("index/regions") {
+            source.take_exact("index/regions", shape.lights)?
+        } else {
+            Vec::new()
         },
+        rest: read_rest(shape, source)?,
         starts: Vec::new(),
     };
-    sums.starts = sums
-        .find_starts()
-        .ok_or_else(|| broken("index/blocks", "counts that add up to the other sections", format!("{} blocks", sums.blocks.len())))?;
+    sums.starts = sums.find_starts().ok_or_else(|| {
+        broken("index/blocks", "counts that add up to the other sections", format!("{} blocks", sums.blocks.len()))
+    })?;
+    sums.check()?;
     Ok(sums)
+}
+
+/// The elements that no sum covers: a row for each product, of which there are no more than rows of the matrix.
+fn read_rest(shape: Shape, source: &mut Source) -> Result<Option<Box<EncodedCompact>>> {
+    if !source.has("header/products") {
+        return Ok(None);
+    }
+    let products = source.take_exact::<u32>("header/products", 1)?[0] as usize;
+    let mut nested = source.nested("rest").ok_or_else(|| broken("header/products", "elements beside", "none"))?;
+    if products > shape.rows() {
+        return Err(broken("header/products", format!("at most {} rows", shape.rows()), products.to_string()));
+    }
+    let rest = EncodedCompact::read(Shape::new(products, 1, shape.lights)?, &mut nested)?;
+    nested.finish()?;
+    Ok(Some(Box::new(rest)))
 }
 
 fn triples(numbers: Vec<u32>) -> Result<Vec<[u32; 3]>> {
@@ -70,6 +88,64 @@ fn triples(numbers: Vec<u32>) -> Result<Vec<[u32; 3]>> {
 }
 
 impl Sums {
+    /// Refuses sections that would lead relighting out of bounds or to values that are not numbers.
+    fn check(&self) -> Result<()> {
+        let refuse = |section: &str, expected: String, found: String| Err(broken(section, expected, found));
+        let with_terms = self.starts[self.blocks.len()].product;
+        if self.products() < with_terms {
+            return refuse("header/products", format!("at least {with_terms}"), self.products().to_string());
+        }
+        if let Some(slot) = self.slots.iter().find(|&&s| s as usize > self.products()) {
+            return refuse("index/slots", format!("products up to {}", self.products()), slot.to_string());
+        }
+        if let Some(factor) = self.factors.iter().find(|f| !f.is_finite()) {
+            return refuse("weights/factors", "finite numbers".into(), factor.to_string());
+        }
+        if let Some(leaf) = (0..self.columns.len()).find(|&leaf| self.columns.at(leaf) >= self.shape.lights) {
+            let found = self.columns.at(leaf).to_string();
+            return refuse("index/columns", format!("columns below {}", self.shape.lights), found);
+        }
+        if let Some(arity) = self.arities.iter().find(|&&n| n < 2) {
+            return refuse("index/arities", "sums of at least 2 terms".into(), arity.to_string());
+        }
+        if let Some(group) = self.groups.iter().find(|g| g[0] == 0) {
+            return refuse("index/groups", "rows of at least 1 term".into(), format!("{group:?}"));
+        }
+        for (block, ends) in self.starts.windows(2).enumerate() {
+            let (start, end) = (ends[0], ends[1]);
+            let leaves = end.leaf - start.leaf;
+            let symbols = leaves + end.sum - start.sum;
+            if symbols > SYMBOLS {
+                return refuse(
+                    "index/blocks",
+                    format!("at most {SYMBOLS} symbols"),
+                    format!("{symbols} in block {block}"),
+                );
+            }
+            // Sums of sums could name more leaves than a decoder ever finishes with.
+            let most = LEAVES_PER_LIGHT * self.shape.lights;
+            let mut expanded = vec![1usize; leaves];
+            let mut inputs = &self.inputs[start.input..end.input];
+            for sum in start.sum..end.sum {
+                let (terms, rest) = inputs.split_at(self.arity(sum));
+                inputs = rest;
+                let known = leaves + sum - start.sum;
+                if let Some(term) = terms.iter().find(|&&t| usize::from(t) >= known) {
+                    return refuse("index/inputs", format!("symbols below {known} in block {block}"), term.to_string());
+                }
+                let own: usize = terms.iter().map(|&t| expanded[usize::from(t)]).sum();
+                if own > most {
+                    return refuse("index/inputs", format!("at most {most} leaves in a sum"), own.to_string());
+                }
+                expanded.push(own);
+            }
+            if let Some(term) = self.terms[start.term..end.term].iter().find(|&&t| usize::from(t) >= symbols) {
+                return refuse("index/terms", format!("symbols below {symbols} in block {block}"), term.to_string());
+            }
+        }
+        Ok(())
+    }
+
     /// Memory that relighting holds.
     pub(crate) fn bytes(&self) -> usize {
         let mut sink = Sink::new();

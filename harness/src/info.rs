@@ -52,7 +52,7 @@ impl Info {
     pub fn read(path: &Path, registry: &Registry) -> anyhow::Result<Info> {
         let compressed = files::read_prt(path, registry)?;
         let file = path.metadata().with_context(|| format!("cannot read {}", path.display()))?;
-        let (shape, sink) = (compressed.shape(), compressed.sections());
+        let (shape, sink) = (compressed.shape(), compressed.held());
         let flops = compressed.flops(&vec![1.0; shape.lights])?;
         Ok(Info {
             label: compressed.label().to_string(),

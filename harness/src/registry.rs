@@ -1,5 +1,6 @@
 //! The one place where the program learns of its methods.
 
+use prt_bicluster::Bicluster;
 use prt_transfer::compact::Compact;
 use prt_transfer::csr::Csr;
 use prt_transfer::dense::Dense;
@@ -20,6 +21,7 @@ pub fn registry() -> Registry {
         .codec::<Compact>()
         .codec::<F16>()
         .codec::<Truncate>()
+        .codec::<Bicluster>()
 }
 
 /// The method that a label's text describes.

@@ -123,6 +123,12 @@ pub const SETTINGS: &[Setting] = &[
     Setting { without: "truncate", parameter: "bits=16", stage: "truncate" },
     Setting { without: "truncate:order=columns", parameter: "bits=8", stage: "truncate" },
     Setting { without: "haar+truncate", parameter: "order=columns", stage: "truncate" },
+    Setting { without: "bicluster", parameter: "objective=flops", stage: "bicluster" },
+    Setting { without: "bicluster", parameter: "levels=1", stage: "bicluster" },
+    Setting { without: "bicluster", parameter: "levels=2", stage: "bicluster" },
+    Setting { without: "bicluster:levels=1", parameter: "seeds=random", stage: "bicluster" },
+    Setting { without: "bicluster:levels=1:seeds=random", parameter: "seed=9", stage: "bicluster" },
+    Setting { without: "bicluster", parameter: "max_error=0.1", stage: "bicluster" },
 ];
 
 /// Every label that the laws are checked on: each method at its defaults and each of its settings.

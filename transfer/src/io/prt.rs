@@ -44,7 +44,7 @@ pub struct SectionInfo {
     pub name: String,
     /// How it is stored.
     pub encoding: Encoding,
-    /// Bytes that relighting holds in memory.
+    /// Bytes before compression.
     pub raw: u64,
     /// Bytes in the file.
     pub stored: u64,
@@ -57,8 +57,8 @@ pub struct SectionInfo {
 pub struct Sizes {
     /// The file's header, magic and checksum included.
     pub header: u64,
-    /// In memory while relighting: the raw sections.
-    pub resident: u64,
+    /// The sections before compression. Most codecs hold them in memory as they are.
+    pub raw: u64,
     /// At rest: the file.
     pub file: u64,
 }
@@ -121,7 +121,7 @@ pub fn inspect(bytes: &[u8]) -> Result<Contents> {
         }
     }
     let raw = sections.iter().map(|s| s.raw).sum::<u64>();
-    let sizes = Sizes { header: length as u64, resident: raw, file: bytes.len() as u64 };
+    let sizes = Sizes { header: length as u64, raw, file: bytes.len() as u64 };
     Ok(Contents { header, sections, sizes })
 }
 

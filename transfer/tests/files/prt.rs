@@ -120,7 +120,7 @@ fn sizes_come_from_the_file_and_saving_again_gives_the_same_bytes() {
     let bytes = std::fs::read(&first).unwrap();
     assert_eq!(bytes, std::fs::read(&second).unwrap());
     assert_eq!(sizes.file, bytes.len() as u64);
-    assert_eq!(sizes.resident, read.sections().resident_bytes() as u64);
+    assert_eq!(sizes.raw, read.sections().resident_bytes() as u64);
     let stored: u64 = prt::inspect(&bytes).unwrap().sections.iter().map(|s| s.stored).sum();
     assert_eq!(sizes.file, sizes.header + stored);
     names(prt::read(folder.path().join("c.prt"), &registry()), "c.prt");

@@ -1,0 +1,70 @@
+//! Biclusters as shared sums: level 1 is the paper's, level 2 biclusters the memberships of rows in biclusters.
+
+use crate::block::{Block, Code};
+use crate::growth::{Options, grow, grow_memberships};
+use crate::symbols::{Leaf, SYMBOLS, Symbols};
+
+impl Block {
+    /// Grows biclusters of elements, and where `twice` says so of their memberships.
+    pub(crate) fn grow(
+        kinds: Vec<u32>,
+        rows: Vec<Vec<Leaf>>,
+        options: &Options,
+        twice: bool,
+        bytes_per_element: f64,
+    ) -> Block {
+        let columns = rows.iter().flatten().map(|leaf| leaf.0 as usize + 1).max().unwrap_or(0);
+        let grown = grow(&rows, columns, options);
+        // A sum of one leaf is that leaf.
+        let (sums, single): (Vec<_>, Vec<_>) = grown.biclusters.into_iter().partition(|b| b.columns.len() > 1);
+        let count = sums.len();
+        let mut lists: Vec<Vec<Leaf>> = sums.iter().map(|b| b.columns.clone()).collect();
+        lists.extend(grown.leftover);
+        for bicluster in single {
+            bicluster.rows.iter().for_each(|&row| lists[count + row as usize].extend(&bicluster.columns));
+        }
+        let mut symbols = Symbols::of(&lists, count);
+        let mut terms = symbols.rows.split_off(count);
+        let left = symbols.left.split_off(count);
+        let leaves = symbols.leaves.len();
+        if leaves + count > SYMBOLS {
+            return Block::plain(kinds, rows);
+        }
+        for (symbol, bicluster) in (leaves..).zip(&sums) {
+            bicluster.rows.iter().for_each(|&row| terms[row as usize].push(symbol as u16));
+        }
+        let mut code = Code { leaves: symbols.leaves, sums: symbols.rows, rows: terms };
+        if twice {
+            code.grow(options);
+        }
+        Block::new(kinds, rows, code, left, bytes_per_element)
+    }
+}
+
+impl Code {
+    /// Biclusters the rows' terms: sums of sums.
+    fn grow(&mut self, options: &Options) {
+        let first = self.leaves.len() + self.sums.len();
+        let memberships: Vec<Vec<Leaf>> =
+            self.rows.iter().map(|row| row.iter().map(|&s| (s.into(), 1.0)).collect()).collect();
+        let grown = grow_memberships(&memberships, first, options);
+        // A term that a row would have to subtract again is no term: such a row keeps what it had.
+        let covered = |row: usize| grown.leftover[row].iter().all(|&(_, value)| value == 1.0);
+        let mut terms: Vec<Vec<u16>> =
+            grown.leftover.iter().map(|row| row.iter().map(|l| l.0 as u16).collect()).collect();
+        for bicluster in grown.biclusters {
+            let rows: Vec<usize> = bicluster.rows.iter().map(|&r| r as usize).filter(|&row| covered(row)).collect();
+            let symbols: Vec<u16> = bicluster.columns.iter().map(|c| c.0 as u16).collect();
+            let sum = self.leaves.len() + self.sums.len();
+            if symbols.len() > 1 && rows.len() > 1 && sum < SYMBOLS {
+                self.sums.push(symbols);
+                rows.iter().for_each(|&row| terms[row].push(sum as u16));
+            } else {
+                rows.iter().for_each(|&row| terms[row].extend(&symbols));
+            }
+        }
+        for (row, terms) in terms.into_iter().enumerate().filter(|(row, _)| covered(*row)) {
+            self.rows[row] = terms;
+        }
+    }
+}
