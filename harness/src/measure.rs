@@ -149,6 +149,14 @@ impl Bench<'_> {
         Ok(Row { status: Status::Ok, reason: String::new(), ..row })
     }
 
+    /// Relights one channel on one thread by each of `runners` in turn; a timing for each.
+    pub fn race(&self, runners: &[Compressed], reference: &Reference) -> anyhow::Result<Vec<Timing>> {
+        let light = reference.timed.slice(s![.., ..1]).to_owned();
+        let mut out = Array2::zeros((reference.matrix.rows(), 1));
+        let mut run = |i: usize| runners[i].apply_into(light.view(), out.view_mut());
+        Ok(self.pools.one.install(|| self.budget.race(runners.len(), &mut run))?)
+    }
+
     fn times(&self, row: &mut Row, compressed: &Compressed, reference: &Reference) -> anyhow::Result<()> {
         let timed = reference.timed.view();
         let one = timed.slice(s![.., ..1]).to_owned();
