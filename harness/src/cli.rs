@@ -1,6 +1,6 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
-use crate::{bench, decode, encode, info, list, precompute, relight, tables, terminal};
+use crate::{bench, decode, encode, info, list, precompute, relight, stability, tables, terminal};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -35,6 +35,8 @@ enum Command {
     Info(info::InfoArguments),
     /// Measures the tables of a paper anew, beside what it prints
     Tables(tables::Tables),
+    /// Finds where methods fail: sweeps over one parameter of a matrix, with charts
+    Stability(stability::Stability),
     /// Lists the built-in scenes and lights
     Scenes(list::Scenes),
     /// Lists the light transforms and codecs with their parameters
@@ -65,6 +67,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Relight(arguments) => relight::run(arguments),
         Command::Info(arguments) => info::run(arguments),
         Command::Tables(arguments) => tables::run(arguments, threads),
+        Command::Stability(arguments) => stability::run(arguments, threads),
         Command::Scenes(arguments) => list::scenes(arguments),
         Command::Methods(arguments) => list::methods(arguments),
     }

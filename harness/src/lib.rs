@@ -2,7 +2,7 @@
 //!
 //! [`registry::registry`] knows every transform and codec of the workspace; [`measure::Bench`] takes a method through its
 //! file and fills a [`row::Row`]; [`mod@bench`] does so for a whole [`suite::Suite`] and draws what came out; [`tables`] does so for
-//! the tables of a paper.
+//! the tables of a paper, [`stability`] for matrices on which methods fail.
 
 pub mod bench;
 pub mod cache;
@@ -32,6 +32,7 @@ pub mod results;
 pub mod row;
 pub mod scenes;
 pub mod signal;
+pub mod stability;
 pub mod suite;
 pub mod table;
 pub mod tables;

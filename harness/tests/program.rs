@@ -96,6 +96,8 @@ fn failures_are_one_sentence_with_the_place_and_leave_no_file() {
         (&["tables", "biclustering", "--method", "nothing"], "unknown codec 'nothing'"),
         (&["tables", "biclustering", "--method", "csr", "--scene", "nowhere"], "nowhere"),
         (&["tables", "biclustering", "--method", "csr", "--assets", "absent"], "absent"),
+        (&["stability", "biclustering", "--method", "nothing"], "unknown codec 'nothing'"),
+        (&["stability", "biclustering", "--method", "csr", "--sweep", "nothing"], "unknown sweep 'nothing'"),
     ] {
         let message = refused(1, arguments, folder);
         assert!(message.starts_with("prt: ") && message.contains(part), "{arguments:?}: {message}");
@@ -120,6 +122,7 @@ fn wrong_usage_is_told_apart_from_failure() {
         &["info"],
         &["tables", "unwritten"],
         &["tables", "biclustering", "--assets", ".", "--vertices", "100"],
+        &["stability", "unwritten"],
     ] {
         assert!(refused(2, arguments, folder.path()).contains("--help"), "{arguments:?}");
     }
@@ -128,7 +131,9 @@ fn wrong_usage_is_told_apart_from_failure() {
 #[test]
 fn every_command_helps_with_an_example() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["bench", "precompute", "encode", "decode", "relight", "info", "tables", "scenes", "methods"] {
+    for command in
+        ["bench", "precompute", "encode", "decode", "relight", "info", "tables", "stability", "scenes", "methods"]
+    {
         let help = done(&[command, "--help"], folder.path());
         assert!(help.contains("Example") && help.contains(&format!("prt {command}")), "{help}");
     }
@@ -223,4 +228,18 @@ fn refused_with_tables(arguments: &[&str], folder: &Path) -> String {
     let output = prt(arguments, folder);
     assert_eq!(output.status.code(), Some(1));
     String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn a_sweep_has_its_figures_and_its_chart() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let arguments = ["stability", "biclustering", "--method", "csr", "--sweep", "vertices", "--vertices", "40"];
+    let text = done(&[&arguments[..], &["--out", "out"]].concat(), folder);
+    let csv = std::fs::read_to_string(folder.join("out/vertices.csv")).unwrap();
+    assert!(text.contains("compact") && csv.lines().count() > 2 * 4 && !csv.contains(",failed,"), "{csv}");
+    for extension in ["svg", "png"] {
+        assert!(folder.join(format!("out/vertices.{extension}")).metadata().unwrap().len() > 0);
+    }
+    assert!(!folder.join("out/values.csv").exists());
 }
