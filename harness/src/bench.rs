@@ -2,21 +2,18 @@
 
 use crate::cache::{self, Prepared};
 use crate::charts;
-use crate::family::family;
 use crate::machine::Machine;
 use crate::measure::{Bench as Measure, Pools, Reference};
+use crate::progress::Steps;
 use crate::results::Results;
 use crate::row::Row;
-use crate::suite::{DENSE_LIMIT, Origin, Size, Suite};
+use crate::suite::{Origin, Size, Suite};
 use crate::timing::Budget;
-use crate::{files, fingerprint, progress, registry, report, scenes, table, terminal};
+use crate::{files, labels, registry, report, scenes, table, terminal};
 use anyhow::ensure;
 use clap::Args;
-use indicatif::ProgressBar;
-use prt_transfer::{Error, Label, Quiet, Registry};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use prt_transfer::{Error, Quiet, Registry};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 /// Arguments of `prt bench`.
 #[derive(Args, Debug)]
@@ -58,11 +55,9 @@ pub struct Group {
 /// One run of the command.
 struct Run<'a> {
     measure: Measure<'a>,
-    threads: usize,
     out: &'a Path,
     results: Results,
-    bar: ProgressBar,
-    began: Instant,
+    steps: Steps,
 }
 
 /// Runs the command.
@@ -75,23 +70,20 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
     let pools = Pools::new(threads)?;
     let mut run = Run {
         measure: Measure { registry: &registry, pools: &pools, budget: Budget::of(suite.budget) },
-        threads,
         out: &out,
         results: Results::open(out.join("results.csv"))?,
-        bar: progress::hidden((suite.origins.len() * suite.methods.len()) as u64),
-        began: Instant::now(),
+        steps: Steps::new(suite.origins.len() * suite.methods.len()),
     };
-    run.bar.enable_steady_tick(Duration::from_millis(200));
     let mut groups = Vec::new();
     for origin in &suite.origins {
         let group = run.group(origin, &suite.methods)?;
         if !arguments.json {
-            run.bar.suspend(|| terminal::say(table::of(&group)))?;
+            run.steps.suspend(|| terminal::say(table::of(&group)))?;
         }
         charts::draw(&group, &cache::make(out.join("charts"))?, &machine)?;
         groups.push(group);
     }
-    run.bar.finish_and_clear();
+    run.steps.finish();
     files::write_beside(&out.join("report.html"), report::page(&groups, &machine).as_bytes())?;
     let rows: Vec<&Row> = groups.iter().flat_map(|g| &g.rows).collect();
     if arguments.json {
@@ -125,9 +117,7 @@ fn suite(arguments: &Bench, registry: &Registry) -> anyhow::Result<Suite> {
             return Err(Error::Unknown { what: "scene", name: scene.clone(), known: known.join(", ") }.into());
         }
     }
-    // In their shortest form, so that two spellings of one method are one row.
-    let shortest = |label: &String| Ok(registry::method(registry, label)?.label().to_string());
-    let methods = arguments.methods.iter().map(shortest).collect::<anyhow::Result<Vec<_>>>()?;
+    let methods = labels::shortest(registry, &arguments.methods)?;
     let size = match (arguments.quick, arguments.full) {
         (true, _) => Size::Quick,
         (_, true) => Size::Full,
@@ -140,15 +130,15 @@ impl Run<'_> {
     /// Every method on one matrix. Where there is no matrix, every row says why.
     fn group(&mut self, origin: &Origin, methods: &[String]) -> anyhow::Result<Group> {
         let subject = cache::subject(origin);
-        self.show(&format!("{} {}", subject.scene, subject.signal));
+        self.steps.show(&format!("{} {}", subject.scene, subject.signal));
         let prepared = cache::prepare(&cache::folder(self.out)?, origin, &Quiet);
         let rows = match prepared {
             Ok(prepared) => self.rows(prepared, &subject, methods, &cache::file_name(origin))?,
             Err(error) => {
-                let failed = |m: &String| self.planned(&subject, m).failed(format!("{error:#}"));
+                let failed = |m: &String| self.measure.planned(&subject, m).failed(format!("{error:#}"));
                 let rows: Vec<Row> = methods.iter().map(failed).collect();
                 rows.iter().try_for_each(|row| self.results.put(row.clone()))?;
-                self.bar.inc(rows.len() as u64);
+                self.steps.done(rows.len());
                 rows
             }
         };
@@ -161,11 +151,11 @@ impl Run<'_> {
         let (mut prepared, mut reference) = (Some(prepared), None);
         let mut rows = Vec::new();
         for method in methods {
-            let planned = self.planned(&subject, method);
+            let planned = self.measure.planned(&subject, method);
             let row = match self.results.finished(&planned) {
                 Some(row) => row.clone(),
                 None => {
-                    self.show(&format!("{} {} {method}", planned.scene, planned.signal));
+                    self.steps.show(&format!("{} {} {method}", planned.scene, planned.signal));
                     if let Some(prepared) = prepared.take() {
                         let pools = self.measure.pools;
                         reference = Some(pools.everywhere(|| Reference::new(prepared.into_matrix()?))?);
@@ -173,51 +163,16 @@ impl Run<'_> {
                     let path =
                         cache::make(self.out.join("encoded"))?.join(format!("{name}-{}.prt", cache::safe(method)));
                     let row = match &reference {
-                        Some(reference) => self.row(planned, reference, &path),
+                        Some(reference) => self.measure.attempt(planned, reference, &path, &Quiet),
                         None => planned.failed("no matrix"),
                     };
                     self.results.put(row.clone())?;
                     row
                 }
             };
-            self.bar.inc(1);
+            self.steps.done(1);
             rows.push(row);
         }
         Ok(rows)
-    }
-
-    /// One measurement; whatever goes wrong becomes its reason.
-    fn row(&self, planned: Row, reference: &Reference, path: &Path) -> Row {
-        let label: Label = match planned.method.parse() {
-            Ok(label) => label,
-            Err(error) => return planned.failed(format!("{error}")),
-        };
-        let cells = 4 * planned.samples as u64 * planned.responses as u64 * planned.lights as u64;
-        if label.to_string() == "dense" && cells > DENSE_LIMIT {
-            let [size, limit] = [cells, DENSE_LIMIT].map(crate::number::bytes);
-            return planned.failed(format!("would need {size}, above the bench's limit of {limit}"));
-        }
-        let measured =
-            catch_unwind(AssertUnwindSafe(|| self.measure.measure(planned.clone(), &label, reference, path, &Quiet)));
-        match measured {
-            Ok(Ok(row)) => row,
-            Ok(Err(error)) => planned.failed(format!("{error:#}")),
-            Err(_) => planned.failed("the method panicked: a mistake in the program"),
-        }
-    }
-
-    fn planned(&self, subject: &Row, method: &str) -> Row {
-        Row {
-            method: method.into(),
-            family: method.parse().map_or_else(|_| method.into(), |label| family(&label)),
-            threads: self.threads,
-            program: fingerprint::program().into(),
-            ..subject.clone()
-        }
-    }
-
-    fn show(&self, what: &str) {
-        self.bar.set_message(what.to_string());
-        progress::reveal(&self.bar, self.began);
     }
 }

@@ -118,7 +118,8 @@ impl Prepared {
 }
 
 impl About {
-    fn of(matrix: &TransferMatrix, rays: u64, seconds: f64) -> About {
+    /// What can be said of a matrix, with the rays that were cast for it and the seconds that took.
+    pub fn of(matrix: &TransferMatrix, rays: u64, seconds: f64) -> About {
         let shape = matrix.shape();
         About {
             program: fingerprint::program().into(),

@@ -1,6 +1,6 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
-use crate::{bench, decode, encode, info, list, precompute, relight, terminal};
+use crate::{bench, decode, encode, info, list, precompute, relight, stability, tables, terminal};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -33,6 +33,10 @@ enum Command {
     Relight(relight::Relight),
     /// Tells what a compressed matrix is and costs
     Info(info::InfoArguments),
+    /// Measures the tables of a paper anew, beside what it prints
+    Tables(tables::Tables),
+    /// Finds where methods fail: sweeps over one parameter of a matrix, with charts
+    Stability(stability::Stability),
     /// Lists the built-in scenes and lights
     Scenes(list::Scenes),
     /// Lists the light transforms and codecs with their parameters
@@ -62,6 +66,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Decode(arguments) => decode::run(arguments),
         Command::Relight(arguments) => relight::run(arguments),
         Command::Info(arguments) => info::run(arguments),
+        Command::Tables(arguments) => tables::run(arguments, threads),
+        Command::Stability(arguments) => stability::run(arguments, threads),
         Command::Scenes(arguments) => list::scenes(arguments),
         Command::Methods(arguments) => list::methods(arguments),
     }

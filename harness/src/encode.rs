@@ -4,10 +4,12 @@ use crate::files::{self, Description};
 use crate::info::Info;
 use crate::progress::Bar;
 use crate::registry::{method, registry};
-use crate::terminal;
+use crate::{memory, number, terminal};
 use clap::Args;
 use prt_transfer::LightBasis;
+use serde::Serialize;
 use std::path::PathBuf;
+use std::time::Instant;
 
 /// Arguments of `prt encode`.
 #[derive(Args, Debug)]
@@ -29,9 +31,21 @@ pub struct Encode {
     /// What the columns stand for, where the matrix does not say: cubemap:32, latlong:64x32, sh:5 or plain:100
     #[arg(long, value_name = "BASIS")]
     pub basis: Option<LightBasis>,
-    /// Print what was written, as `prt info --json` does
+    /// Print what was written, as `prt info --json` does, with what encoding took
     #[arg(long)]
     pub json: bool,
+}
+
+/// What is printed. The names are a promise to programs that read them.
+#[derive(Serialize)]
+struct Written {
+    /// The figures of the file, not of what was meant to be in it.
+    #[serde(flatten)]
+    info: Info,
+    /// Wall clock of compressing, s.
+    encode_s: f64,
+    /// The most memory held while compressing, the result included and the matrix not.
+    peak_encode_bytes: Option<u64>,
 }
 
 /// Runs the command.
@@ -42,11 +56,20 @@ pub fn run(arguments: &Encode) -> anyhow::Result<()> {
     let method = method(&registry, &arguments.label)?;
     let description = Description { responses: arguments.responses, basis: arguments.basis.clone() };
     let matrix = files::read_matrix(&arguments.input, &description)?;
-    files::write_prt(&arguments.output, &method.encode(&matrix, &bar)?)?;
+    let began = Instant::now();
+    let (encoded, peak_encode_bytes) = memory::peak_of(|| method.encode(&matrix, &bar));
+    let encode_s = began.elapsed().as_secs_f64();
     drop(bar);
+    let encoded = encoded?;
+    let file = files::write_prt(&arguments.output, &encoded)?.file;
     if arguments.json {
-        // The figures of the file, not of what was meant to be in it.
-        terminal::say_json(&Info::read(&arguments.output, &registry)?)?;
+        let info = Info::read(&arguments.output, &registry)?;
+        return terminal::say_json(&Written { info, encode_s, peak_encode_bytes });
     }
-    Ok(())
+    let [memory, file] = [encoded.resident_bytes() as u64, file].map(number::bytes);
+    let peak = peak_encode_bytes.map_or("unknown".into(), number::bytes);
+    let seconds = number::short(encode_s);
+    terminal::say(format!(
+        "{memory} in memory, {file} on disk, encoded in {seconds} s with at most {peak} beside the matrix"
+    ))
 }

@@ -1,12 +1,14 @@
 //! The `prt` program as a library: the registry of every method, measuring on the reloaded object, charts and reports.
 //!
 //! [`registry::registry`] knows every transform and codec of the workspace; [`measure::Bench`] takes a method through its
-//! file and fills a [`row::Row`]; [`mod@bench`] does so for a whole [`suite::Suite`] and draws what came out.
+//! file and fills a [`row::Row`]; [`mod@bench`] does so for a whole [`suite::Suite`] and draws what came out; [`tables`] does so for
+//! the tables of a paper, [`stability`] for matrices on which methods fail.
 
 pub mod bench;
 pub mod cache;
 pub mod charts;
 pub mod cli;
+pub mod compare;
 pub mod decode;
 pub mod encode;
 pub mod error_sums;
@@ -15,9 +17,11 @@ pub mod files;
 pub mod fingerprint;
 pub mod frontier;
 pub mod info;
+pub mod labels;
 pub mod list;
 pub mod machine;
 pub mod measure;
+pub mod memory;
 pub mod number;
 pub mod precompute;
 pub mod progress;
@@ -28,7 +32,9 @@ pub mod results;
 pub mod row;
 pub mod scenes;
 pub mod signal;
+pub mod stability;
 pub mod suite;
 pub mod table;
+pub mod tables;
 pub mod terminal;
 pub mod timing;

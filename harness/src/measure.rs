@@ -1,14 +1,17 @@
 //! Takes a method through its file and measures what comes back.
 
 use crate::error_sums::{self, Sums, relative};
-use crate::files;
+use crate::family::family;
 use crate::row::{Row, Status};
 use crate::scenes::{self, LIGHTS};
+use crate::suite::DENSE_LIMIT;
 use crate::timing::{Budget, Timing};
+use crate::{files, fingerprint, memory, number};
 use anyhow::{Context, ensure};
 use ndarray::{Array2, ArrayView2, s};
 use prt_transfer::{Compressed, Label, LightBasis, Progress, Registry, TransferMatrix};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -82,6 +85,37 @@ impl Reference {
 }
 
 impl Bench<'_> {
+    /// What a row says before anything is measured: `subject` with the method, the threads and the program.
+    pub fn planned(&self, subject: &Row, method: &str) -> Row {
+        Row {
+            method: method.into(),
+            family: method.parse().map_or_else(|_| method.into(), |label| family(&label)),
+            threads: self.pools.all.current_num_threads(),
+            program: fingerprint::program().into(),
+            ..subject.clone()
+        }
+    }
+
+    /// As [`Bench::measure`] by the method of `planned`; whatever goes wrong becomes the row's reason.
+    pub fn attempt(&self, planned: Row, reference: &Reference, path: &Path, progress: &dyn Progress) -> Row {
+        let label: Label = match planned.method.parse() {
+            Ok(label) => label,
+            Err(error) => return planned.failed(format!("{error}")),
+        };
+        let cells = 4 * planned.samples as u64 * planned.responses as u64 * planned.lights as u64;
+        if label.to_string() == "dense" && cells > DENSE_LIMIT {
+            let [size, limit] = [cells, DENSE_LIMIT].map(number::bytes);
+            return planned.failed(format!("would need {size}, above the bench's limit of {limit}"));
+        }
+        let measured =
+            catch_unwind(AssertUnwindSafe(|| self.measure(planned.clone(), &label, reference, path, progress)));
+        match measured {
+            Ok(Ok(row)) => row,
+            Ok(Err(error)) => planned.failed(format!("{error:#}")),
+            Err(_) => planned.failed("the method panicked: a mistake in the program"),
+        }
+    }
+
     /// Encodes, writes `path`, reads it back, and fills `row` with the figures of what came back.
     pub fn measure(
         &self,
@@ -93,24 +127,34 @@ impl Bench<'_> {
     ) -> anyhow::Result<Row> {
         let method = self.registry.method(label)?;
         let encode = || self.pools.everywhere(|| method.encode(&reference.matrix, progress));
-        let (mut encoded, mut times, began) = (None, Vec::new(), Instant::now());
+        let (mut encoded, mut times, mut peak_encode_bytes, began) = (None, Vec::new(), None, Instant::now());
         while times.is_empty() || (times.len() < ENCODE_RUNS && began.elapsed() < ENCODE_BUDGET) {
             drop(encoded.take());
             let start = Instant::now();
-            encoded = Some(encode()?);
+            let (result, peak) = memory::peak_of(encode);
             times.push(start.elapsed().as_secs_f64() * 1e3);
+            encoded = Some(result?);
+            peak_encode_bytes = peak_encode_bytes.max(peak);
         }
         let encode_s = Timing::of(&mut times).median_ms / 1e3;
         let encoded = encoded.context("at least one run")?;
         let sizes = files::write_prt(path, &encoded)?;
         drop(encoded);
         let compressed = files::read_prt(path, self.registry)?;
-        let mut row = Row { encode_s: Some(encode_s), file_bytes: Some(sizes.file), ..row };
+        let mut row = Row { encode_s: Some(encode_s), peak_encode_bytes, file_bytes: Some(sizes.file), ..row };
         storage_and_work(&mut row, &compressed, reference)?;
         self.pools.everywhere(|| errors(&mut row, &compressed, reference))?;
         ensure!(row.error.is_some_and(f64::is_finite), "the decoded matrix is not finite");
         self.times(&mut row, &compressed, reference)?;
         Ok(Row { status: Status::Ok, reason: String::new(), ..row })
+    }
+
+    /// Relights one channel on one thread by each of `runners` in turn; a timing for each.
+    pub fn race(&self, runners: &[Compressed], reference: &Reference) -> anyhow::Result<Vec<Timing>> {
+        let light = reference.timed.slice(s![.., ..1]).to_owned();
+        let mut out = Array2::zeros((reference.matrix.rows(), 1));
+        let mut run = |i: usize| runners[i].apply_into(light.view(), out.view_mut());
+        Ok(self.pools.one.install(|| self.budget.race(runners.len(), &mut run))?)
     }
 
     fn times(&self, row: &mut Row, compressed: &Compressed, reference: &Reference) -> anyhow::Result<()> {

@@ -48,7 +48,7 @@ impl Drop for Bar {
 }
 
 /// A bar that nobody sees until [`reveal`].
-pub fn hidden(total: u64) -> ProgressBar {
+fn hidden(total: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("{elapsed_precise} {wide_bar} {pos}/{len} {msg}");
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
     match style {
@@ -58,8 +58,44 @@ pub fn hidden(total: u64) -> ProgressBar {
 }
 
 /// Shows a bar once its operation has run for a second. On anything but a terminal it stays hidden by itself.
-pub fn reveal(bar: &ProgressBar, began: Instant) {
+fn reveal(bar: &ProgressBar, began: Instant) {
     if bar.is_hidden() && began.elapsed() > PATIENCE {
         bar.set_draw_target(ProgressDrawTarget::stderr());
+    }
+}
+
+/// A bar over the steps of a long command, with what it is at.
+pub struct Steps {
+    bar: ProgressBar,
+    began: Instant,
+}
+
+impl Steps {
+    /// So many steps are ahead.
+    pub fn new(total: usize) -> Steps {
+        let bar = hidden(total as u64);
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Steps { bar, began: Instant::now() }
+    }
+
+    /// What is being done now.
+    pub fn show(&self, what: &str) {
+        self.bar.set_message(what.to_string());
+        reveal(&self.bar, self.began);
+    }
+
+    /// So many steps are finished.
+    pub fn done(&self, steps: usize) {
+        self.bar.inc(steps as u64);
+    }
+
+    /// Hides the bar while something is printed.
+    pub fn suspend<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.bar.suspend(print)
+    }
+
+    /// Nothing is left to do.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
     }
 }

@@ -41,6 +41,8 @@ pub struct Row {
     pub non_zeros: usize,
     /// Compressing, on all threads, s.
     pub encode_s: Option<f64>,
+    /// The most memory held while compressing, the result included and T not.
+    pub peak_encode_bytes: Option<u64>,
     /// What relighting holds in memory.
     pub resident_bytes: Option<u64>,
     /// The `.prt` file.

@@ -33,22 +33,38 @@ const WIDTH: u16 = 120;
 
 /// Title, rows and the reasons of those that failed.
 pub fn of(group: &Group) -> String {
+    let titles: Vec<&str> = std::iter::once("method").chain(COLUMNS.iter().map(|(title, _)| *title)).collect();
+    let rows = group.rows.iter().map(|row| {
+        let figures = COLUMNS.iter().enumerate().map(|(i, (_, figure))| match (row.is_ok(), i) {
+            (true, _) => figure(row).unwrap_or_else(|| "-".into()),
+            (false, 0) => "failed".into(),
+            (false, _) => "-".into(),
+        });
+        std::iter::once(row.method.clone()).chain(figures).collect()
+    });
+    let failed = group.rows.iter().filter(|r| !r.is_ok()).map(|r| format!("{}: {}", r.method, r.reason));
+    let parts = [format!("\n{}", group.title), aligned(&titles, rows)].into_iter().chain(failed);
+    parts.collect::<Vec<_>>().join("\n")
+}
+
+/// Lines under their titles within the width of a terminal: the first column to the left, the others to the right.
+pub fn aligned<S: ToString>(titles: &[S], rows: impl Iterator<Item = Vec<String>>) -> String {
     let mut table = Table::new();
     table
         .load_style(TableStyle::new().header_separator(LineStyle::none().fill('─').junction('─')))
         .set_content_arrangement(ContentArrangement::Dynamic)
         .set_width(WIDTH);
-    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
-    let titles = COLUMNS.iter().map(|(title, _)| right(title.to_string()));
-    table.set_header(std::iter::once(Cell::new("method")).chain(titles));
-    for row in &group.rows {
-        let figures = COLUMNS.iter().enumerate().map(|(i, (_, figure))| match (row.is_ok(), i) {
-            (true, _) => right(figure(row).unwrap_or_else(|| "-".into())),
-            (false, 0) => right("failed".into()),
-            (false, _) => right("-".into()),
-        });
-        table.add_row(std::iter::once(Cell::new(&row.method)).chain(figures));
-    }
+    let cells = |texts: Vec<String>| {
+        let cell = |(i, text): (usize, String)| match i {
+            0 => Cell::new(text),
+            _ => Cell::new(text).set_alignment(CellAlignment::Right),
+        };
+        texts.into_iter().enumerate().map(cell).collect::<Vec<_>>()
+    };
+    table.set_header(cells(titles.iter().map(S::to_string).collect()));
+    rows.for_each(|row| {
+        table.add_row(cells(row));
+    });
     for (i, column) in table.column_iter_mut().enumerate() {
         column.set_padding((0, 1));
         // A long label is broken, a figure never.
@@ -56,10 +72,7 @@ pub fn of(group: &Group) -> String {
             column.set_constraint(ColumnConstraint::ContentWidth);
         }
     }
-    let failed = group.rows.iter().filter(|r| !r.is_ok()).map(|r| format!("{}: {}", r.method, r.reason));
-    let body = table.lines().map(|line| line.trim_end().to_string());
-    let parts = [format!("\n{}", group.title)].into_iter().chain(body).chain(failed);
-    parts.collect::<Vec<_>>().join("\n")
+    table.lines().map(|line| line.trim_end().to_string()).collect::<Vec<_>>().join("\n")
 }
 
 #[cfg(test)]

@@ -34,20 +34,31 @@ impl Budget {
 
     /// Runs `work` until the budget is spent; stops at its first error.
     pub fn time<E>(&self, mut work: impl FnMut() -> Result<(), E>) -> Result<Timing, E> {
+        let timings = self.race(1, |_| work())?;
+        Ok(timings[0])
+    }
+
+    /// Runs the works 0 to `count` in turn until the budget of one work, times their number, is spent: whatever slows the
+    /// machine for a while slows all of them, so that their medians can be divided by each other. Stops at the first error.
+    pub fn race<E>(&self, count: usize, mut work: impl FnMut(usize) -> Result<(), E>) -> Result<Vec<Timing>, E> {
+        let share = u32::try_from(count).unwrap_or(u32::MAX);
         let began = Instant::now();
         loop {
-            work()?;
-            if began.elapsed() >= self.warm_up {
+            (0..count).try_for_each(&mut work)?;
+            if began.elapsed() >= self.warm_up * share {
                 break;
             }
         }
-        let (began, mut times) = (Instant::now(), Vec::new());
-        while times.len() < self.least_runs || (began.elapsed() < self.time && times.len() < self.most_runs) {
-            let start = Instant::now();
-            work()?;
-            times.push(start.elapsed().as_secs_f64() * 1e3);
+        let (began, mut times, mut rounds) = (Instant::now(), vec![Vec::new(); count], 0);
+        while rounds < self.least_runs || (began.elapsed() < self.time * share && rounds < self.most_runs) {
+            for (i, times) in times.iter_mut().enumerate() {
+                let start = Instant::now();
+                work(i)?;
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
+            rounds += 1;
         }
-        Ok(Timing::of(&mut times))
+        Ok(times.iter_mut().map(|times| Timing::of(times)).collect())
     }
 }
 
@@ -103,5 +114,18 @@ mod tests {
         let endless = Budget { time: Duration::from_secs(3600), ..budget };
         assert_eq!(endless.time(|| Ok::<(), ()>(())).map(|t| t.runs), Ok(9));
         assert_eq!(budget.time(|| Err("broken")), Err("broken"));
+    }
+
+    #[test]
+    fn works_of_a_race_take_turns_and_run_equally_often() {
+        let budget = Budget { warm_up: Duration::ZERO, time: Duration::ZERO, least_runs: 7, most_runs: 9 };
+        let mut order = Vec::new();
+        let timings = budget.race(3, |i| {
+            order.push(i);
+            Ok::<(), ()>(())
+        });
+        assert_eq!(timings.map(|t| t.iter().map(|t| t.runs).collect::<Vec<_>>()), Ok(vec![7; 3]));
+        assert!(order.len() == 3 * 8 && order.iter().enumerate().all(|(at, &i)| i == at % 3), "{order:?}");
+        assert_eq!(budget.race(0, |_| Err("broken")), Ok(Vec::new()));
     }
 }

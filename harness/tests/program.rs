@@ -45,9 +45,15 @@ fn a_matrix_goes_through_every_command() {
     let folder = folder.path();
     let made = precompute(folder, "biscale", "T.npz");
     assert_eq!((&made["responses"], &made["lights"]), (&64.into(), &384.into()));
-    let written = done(&["encode", "csr", "T.npz", "-o", "T.prt", "--json"], folder);
+    let mut written: Value =
+        serde_json::from_str(&done(&["encode", "csr", "T.npz", "-o", "T.prt", "--json"], folder)).unwrap();
     let told = done(&["info", "T.prt", "--json"], folder);
-    assert_eq!(written, told);
+    let mut of_encoding = |name: &str| written.as_object_mut().unwrap().remove(name).unwrap();
+    let (seconds, peak) = (of_encoding("encode_s"), of_encoding("peak_encode_bytes"));
+    assert_eq!(written, serde_json::from_str::<Value>(&told).unwrap());
+    // What was encoded is a part of what was held, and this codec needs little else.
+    let size = written["resident_bytes"].as_u64().unwrap();
+    assert!(seconds.as_f64() > Some(0.0) && (size..2 * size + 65_536).contains(&peak.as_u64().unwrap()), "{peak}");
 
     let info: Value = serde_json::from_str(&told).unwrap();
     assert_eq!(info["label"], "csr");
@@ -87,6 +93,11 @@ fn failures_are_one_sentence_with_the_place_and_leave_no_file() {
         (&["precompute", "nowhere", "--signal", "diffuse", "-o", "out.npz"], "nowhere"),
         (&["bench", "--scene", "nowhere"], "unknown scene 'nowhere'"),
         (&["bench", "--method", "nothing"], "unknown codec 'nothing'"),
+        (&["tables", "biclustering", "--method", "nothing"], "unknown codec 'nothing'"),
+        (&["tables", "biclustering", "--method", "csr", "--scene", "nowhere"], "nowhere"),
+        (&["tables", "biclustering", "--method", "csr", "--assets", "absent"], "absent"),
+        (&["stability", "biclustering", "--method", "nothing"], "unknown codec 'nothing'"),
+        (&["stability", "biclustering", "--method", "csr", "--sweep", "nothing"], "unknown sweep 'nothing'"),
     ] {
         let message = refused(1, arguments, folder);
         assert!(message.starts_with("prt: ") && message.contains(part), "{arguments:?}: {message}");
@@ -109,6 +120,9 @@ fn wrong_usage_is_told_apart_from_failure() {
         &["precompute", "x", "--signal", "diffuse", "--vertices", "0", "-o", "T.npz"],
         &["encode", "csr", "T.npz", "-o", "T.prt", "--basis", "cube"],
         &["info"],
+        &["tables", "unwritten"],
+        &["tables", "biclustering", "--assets", ".", "--vertices", "100"],
+        &["stability", "unwritten"],
     ] {
         assert!(refused(2, arguments, folder.path()).contains("--help"), "{arguments:?}");
     }
@@ -117,7 +131,9 @@ fn wrong_usage_is_told_apart_from_failure() {
 #[test]
 fn every_command_helps_with_an_example() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["bench", "precompute", "encode", "decode", "relight", "info", "scenes", "methods"] {
+    for command in
+        ["bench", "precompute", "encode", "decode", "relight", "info", "tables", "stability", "scenes", "methods"]
+    {
         let help = done(&[command, "--help"], folder.path());
         assert!(help.contains("Example") && help.contains(&format!("prt {command}")), "{help}");
     }
@@ -171,4 +187,59 @@ fn what_fails_is_a_row_with_its_reason_and_nothing_but_failures_is_a_failure() {
     assert!(table.contains("csr: bad.npz") && table.contains("T.npz · file · cubemap:8"), "{table}");
     let csv = std::fs::read_to_string(folder.join("out/results.csv")).unwrap();
     assert!(csv.contains(",failed,") && csv.contains(",ok,"), "{csv}");
+}
+
+#[test]
+fn a_table_stands_beside_the_paper_s_and_a_mesh_that_is_missing_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let usual = ["tables", "biclustering", "--method", "csr", "--vertices", "40"];
+    let text = done(&[&usual[..], &["--scene", "bunny,armor", "--out", "built-in"]].concat(), folder);
+    assert!(text.contains("blob-40") && text.contains("armor: ") && text.contains("[compact]"), "{text}");
+    let csv = std::fs::read_to_string(folder.join("built-in/table1.csv")).unwrap();
+    // Two methods on the bunny's stand-in, and a line that says why there is no armor.
+    assert_eq!(csv.lines().count(), 1 + 2 + 1, "{csv}");
+    let mut reader = csv::Reader::from_reader(csv.as_bytes());
+    let names = reader.headers().unwrap().clone();
+    let first = reader.records().next().unwrap().unwrap();
+    let figure = |name: &str| first[names.iter().position(|n| n == name).unwrap()].parse::<f64>().unwrap();
+    assert_eq!(
+        (figure("computation_percent"), figure("paper_computation_percent"), figure("error")),
+        (100.0, 27.4, 0.0)
+    );
+    assert!(figure("peak_encode_mb") > figure("resident_mb") && figure("times_compact") > 0.0);
+
+    let mesh = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 4\nproperty list uchar int vertex_indices\nend_header\n\
+                0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+    std::fs::create_dir(folder.join("meshes")).unwrap();
+    std::fs::write(folder.join("meshes/bunny_3k.ply"), mesh).unwrap();
+    let assets = ["tables", "biclustering", "--method", "csr", "--assets", "meshes", "--scene"];
+    let text = done(&[&assets[..], &["bunny,bunny_12k", "--out", "some"]].concat(), folder);
+    assert!(text.contains("bunny_12k: ") && text.contains("meshes/bunny_12k.ply"), "{text}");
+    let page = std::fs::read_to_string(folder.join("some/tables.md")).unwrap();
+    assert!(page.contains("| vertices | 4 |") && page.contains("meshes/bunny_12k.ply"), "{page}");
+    let message = refused_with_tables(&[&assets[..], &["temple", "--out", "none"]].concat(), folder);
+    assert_eq!(message.lines().count(), 1, "{message}");
+}
+
+/// As [`refused`] with 1, where the tables have been printed before.
+fn refused_with_tables(arguments: &[&str], folder: &Path) -> String {
+    let output = prt(arguments, folder);
+    assert_eq!(output.status.code(), Some(1));
+    String::from_utf8(output.stderr).unwrap()
+}
+
+#[test]
+fn a_sweep_has_its_figures_and_its_chart() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let arguments = ["stability", "biclustering", "--method", "csr", "--sweep", "vertices", "--vertices", "40"];
+    let text = done(&[&arguments[..], &["--out", "out"]].concat(), folder);
+    let csv = std::fs::read_to_string(folder.join("out/vertices.csv")).unwrap();
+    assert!(text.contains("compact") && csv.lines().count() > 2 * 4 && !csv.contains(",failed,"), "{csv}");
+    for extension in ["svg", "png"] {
+        assert!(folder.join(format!("out/vertices.{extension}")).metadata().unwrap().len() > 0);
+    }
+    assert!(!folder.join("out/values.csv").exists());
 }

@@ -1,36 +1,47 @@
 //! Resident storage is what memory holds: counted by the allocator, not by a formula. Alone in its process, so that no other
 //! test allocates meanwhile.
 
+use prt_harness::memory::{Counting, held, peak_of};
 use prt_harness::registry::registry;
 use prt_tests::*;
 use prt_transfer::io::prt;
 use prt_transfer::{LightBasis, TransferMatrix};
 use rand::RngExt;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicIsize, Ordering::Relaxed};
-
-struct Counting;
-static HELD: AtomicIsize = AtomicIsize::new(0);
-
-// SAFETY: every call is passed on to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        HELD.fetch_add(layout.size() as isize, Relaxed);
-        // SAFETY: as the caller promised us.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        HELD.fetch_sub(layout.size() as isize, Relaxed);
-        // SAFETY: as the caller promised us.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
+use std::hint::black_box;
+use std::sync::Mutex;
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// One test at a time: what others allocate would be counted too.
+static ALONE: Mutex<()> = Mutex::new(());
+
+#[test]
+fn the_peak_counts_what_is_held_at_once_by_all_threads_and_not_what_is_held_before_or_in_turn() {
+    let _alone = ALONE.lock();
+    const SIZE: usize = 1 << 20;
+    let block = || black_box(vec![1u8; SIZE]);
+    let before = block();
+    let near = |peak: Option<u64>, blocks: usize| {
+        let peak = peak.expect("the allocator counts") as usize;
+        assert!((blocks * SIZE..blocks * SIZE + SIZE / 4).contains(&peak), "{peak}, expected {blocks} blocks");
+    };
+    near(peak_of(|| (0..5).for_each(|_| drop(block()))).1, 1);
+    near(peak_of(|| [block(), block(), block()].len()).1, 3);
+    near(peak_of(|| rayon::join(block, block)).1, 2);
+    near(peak_of(|| drop(before)).1, 0);
+    // A block that grows is itself, not itself and its copy.
+    let grown = |mut bytes: Vec<u8>| {
+        bytes.reserve_exact(2 * SIZE);
+        black_box(bytes.capacity())
+    };
+    near(peak_of(|| grown(block())).1, 3);
+    near(peak_of(|| black_box(vec![0u64; SIZE / 8]).len()).1, 1);
+}
+
 #[test]
 fn memory_held_after_loading_is_the_resident_size() {
+    let _alone = ALONE.lock();
     let registry = registry();
     let basis = LightBasis::Cubemap { resolution: 16 };
     let mut rng = random(1);
@@ -41,9 +52,9 @@ fn memory_held_after_loading_is_the_resident_size() {
         for label in labels(&registry) {
             let bytes = prt::to_bytes(&encode(&registry, &label, &matrix).unwrap()).unwrap();
             drop(prt::from_bytes(&bytes, &registry).unwrap()); // whatever is made once per process exists now
-            let before = HELD.load(Relaxed);
+            let before = held();
             let reloaded = prt::from_bytes(&bytes, &registry).unwrap();
-            let held = (HELD.load(Relaxed) - before) as f64;
+            let held = (held() - before) as f64;
             let resident = reloaded.resident_bytes() as f64;
             // Labels, names and boxes come on top.
             assert!(held <= 1.02 * resident + 4096.0, "{label}: {held} bytes held, {resident} written");

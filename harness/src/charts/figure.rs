@@ -1,12 +1,12 @@
 //! Draws a chart: axes, frontier, reference line, markers, labels, legend.
 
 use super::axis::LogAxis;
+use super::pen::{self, FAINT, GRID, INK, SMALL, line, machine_line, marker, poly_line, rectangle, text};
 use super::place::{self, Box2};
 use super::style::Style;
 use super::{Chart, Point};
 use crate::machine::Machine;
-use kuva::render::color::Color;
-use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
+use kuva::render::render::{Scene, TextAnchor};
 
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 600.0;
@@ -17,13 +17,8 @@ const EXACT: f64 = 84.0;
 /// Between the strip and the axis of what has an error.
 const GAP: f64 = 12.0;
 
-const INK: &str = "#222222";
-const FAINT: &str = "#6b6b6b";
-const GRID: &str = "#e6e6e6";
 const STRIP: &str = "#f1f4f8";
 const FRONTIER: &str = "#8a8a8a";
-const MARKER: f64 = 5.0;
-const SMALL: u32 = 11;
 
 /// Where things are.
 struct Frame<'a> {
@@ -38,8 +33,7 @@ struct Frame<'a> {
 /// The chart; with a line at the bottom that says where it was measured.
 pub(super) fn scene(chart: &Chart, machine: Option<&Machine>) -> Scene {
     let frame = Frame::new(chart);
-    let mut scene = Scene::new(WIDTH, HEIGHT);
-    scene.font_family = Some("'DejaVu Sans', Verdana, sans-serif".into());
+    let mut scene = pen::page(WIDTH, HEIGHT);
     frame.ground(&mut scene);
     frame.frontier(&mut scene);
     frame.reference(&mut scene);
@@ -47,9 +41,7 @@ pub(super) fn scene(chart: &Chart, machine: Option<&Machine>) -> Scene {
     frame.legend(&mut scene);
     text(&mut scene, (FRAME.left, 32.0), 18, INK, TextAnchor::Start, chart.cost.title);
     text(&mut scene, (FRAME.left, 54.0), 12, FAINT, TextAnchor::Start, &chart.subject);
-    if let Some(machine) = machine {
-        text(&mut scene, (FRAME.left, HEIGHT - 14.0), 10, FAINT, TextAnchor::Start, &machine.line());
-    }
+    machine_line(&mut scene, FRAME.left, machine);
     scene
 }
 
@@ -79,17 +71,7 @@ impl Frame<'_> {
             rectangle(scene, FRAME.left, FRAME.top, EXACT, FRAME.bottom - FRAME.top, STRIP);
             text(scene, (FRAME.left + EXACT / 2.0, FRAME.bottom + 20.0), 12, INK, TextAnchor::Middle, "exact");
         }
-        for tick in self.costs.ticks() {
-            let labelled = tick.label.is_some();
-            if labelled {
-                line(scene, (FRAME.left, tick.pixel), (FRAME.right, tick.pixel), GRID, 1.0, None);
-            }
-            let length = if labelled { 6.0 } else { 3.0 };
-            line(scene, (FRAME.left - length, tick.pixel), (FRAME.left, tick.pixel), INK, 1.0, None);
-            if let Some(label) = tick.label {
-                text(scene, (FRAME.left - 10.0, tick.pixel + 4.0), 12, INK, TextAnchor::End, &label);
-            }
-        }
+        pen::upright(scene, &self.costs, &FRAME);
         for tick in self.errors.iter().flat_map(LogAxis::ticks) {
             let labelled = tick.label.is_some();
             if labelled {
@@ -101,7 +83,6 @@ impl Frame<'_> {
                 text(scene, (tick.pixel, FRAME.bottom + 20.0), 12, INK, TextAnchor::Middle, &label);
             }
         }
-        line(scene, (FRAME.left, FRAME.top), (FRAME.left, FRAME.bottom), INK, 1.0, None);
         if exact {
             // The axis is broken: the strip is no distance away from the smallest error.
             let strip = FRAME.left + EXACT;
@@ -136,8 +117,7 @@ impl Frame<'_> {
     }
 
     fn frontier(&self, scene: &mut Scene) {
-        let (stroke, stroke_width) = (FRONTIER.into(), 1.8);
-        scene.add(Primitive::PolyLine { points: self.steps(), stroke, stroke_width, stroke_dasharray: None });
+        poly_line(scene, self.steps(), FRONTIER, 1.8);
     }
 
     /// The cost of the exact sparse matrix.
@@ -207,57 +187,4 @@ impl Frame<'_> {
         }
         text(scene, (left, y + 12.0), SMALL, FAINT, TextAnchor::Start, "Better is left and down.");
     }
-}
-
-fn marker(scene: &mut Scene, style: Style, x: f64, y: f64) {
-    let (fill, edge) = (Color::from(style.colour), Color::from("#ffffff"));
-    scene.add(match style.outline(x, y, MARKER) {
-        Some(d) => Primitive::Path(Box::new(PathData {
-            d,
-            fill: Some(fill),
-            stroke: edge,
-            stroke_width: 1.0,
-            opacity: None,
-            stroke_dasharray: None,
-        })),
-        None => Primitive::Circle {
-            cx: x,
-            cy: y,
-            r: MARKER,
-            fill,
-            fill_opacity: None,
-            stroke: Some(edge),
-            stroke_width: Some(1.0),
-        },
-    });
-}
-
-fn line(scene: &mut Scene, from: (f64, f64), to: (f64, f64), colour: &str, width: f64, dashes: Option<&str>) {
-    scene.add(Primitive::Line {
-        x1: from.0,
-        y1: from.1,
-        x2: to.0,
-        y2: to.1,
-        stroke: colour.into(),
-        stroke_width: width,
-        stroke_dasharray: dashes.map(String::from),
-    });
-}
-
-fn rectangle(scene: &mut Scene, x: f64, y: f64, width: f64, height: f64, fill: &str) {
-    let (stroke, stroke_width, opacity) = (None, None, None);
-    scene.add(Primitive::Rect { x, y, width, height, fill: fill.into(), stroke, stroke_width, opacity });
-}
-
-fn text(scene: &mut Scene, at: (f64, f64), size: u32, colour: &str, anchor: TextAnchor, content: &str) {
-    scene.add(Primitive::Text {
-        x: at.0,
-        y: at.1,
-        content: content.into(),
-        size,
-        anchor,
-        rotate: None,
-        bold: false,
-        color: Some(colour.into()),
-    });
 }

@@ -2,6 +2,8 @@
 
 mod axis;
 mod figure;
+pub mod panels;
+mod pen;
 mod place;
 mod style;
 
@@ -13,6 +15,7 @@ use crate::machine::Machine;
 use crate::row::Row;
 use kuva::RasterBackend;
 use kuva::backend::svg::SvgBackend;
+use kuva::render::render::Scene;
 use std::path::Path;
 
 /// What a method costs.
@@ -106,16 +109,12 @@ impl Chart {
 
     /// As SVG; with a line that says where it was measured.
     pub fn svg(&self, machine: Option<&Machine>) -> String {
-        let scene = figure::scene(self, machine);
-        // Without a viewBox a browser that scales the picture would cut or pad it.
-        let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
-        SvgBackend.render_scene(&scene).replacen("<svg ", &view_box, 1)
+        svg(&figure::scene(self, machine))
     }
 
     /// As PNG of twice the SVG's size in pixels.
     pub fn png(&self, machine: &Machine) -> anyhow::Result<Vec<u8>> {
-        let backend = RasterBackend::new().with_scale(2.0);
-        backend.render_scene(&figure::scene(self, Some(machine))).map_err(anyhow::Error::msg)
+        png(&figure::scene(self, Some(machine)))
     }
 
     /// The points, with the machine in every line.
@@ -129,6 +128,16 @@ impl Chart {
         }
         Ok(writer.into_inner()?)
     }
+}
+
+fn svg(scene: &Scene) -> String {
+    // Without a viewBox a browser that scales the picture would cut or pad it.
+    let view_box = format!("<svg viewBox=\"0 0 {} {}\" ", scene.width, scene.height);
+    SvgBackend.render_scene(scene).replacen("<svg ", &view_box, 1)
+}
+
+fn png(scene: &Scene) -> anyhow::Result<Vec<u8>> {
+    RasterBackend::new().with_scale(2.0).render_scene(scene).map_err(anyhow::Error::msg)
 }
 
 /// A row's place on a chart; none where the figure is missing, or is no positive number for a logarithmic axis.

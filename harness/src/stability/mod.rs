@@ -1,0 +1,155 @@
+//! `prt stability`: where methods fail, on matrices that leave the case they were made for step by step.
+//!
+//! A sweep is one file ([`study::Sweep`]) and one word in a study; a study is one file and one line in [`STUDIES`].
+
+mod biclustering;
+pub mod columns;
+pub mod outcome;
+pub mod scatter;
+pub mod study;
+pub mod values;
+pub mod vertices;
+
+use crate::cache::About;
+use crate::compare::compare;
+use crate::machine::Machine;
+use crate::measure::{Bench, Pools, Reference};
+use crate::progress::Steps;
+use crate::row::Row;
+use crate::tables::quantity::BASELINE;
+use crate::timing::Budget;
+use crate::{cache, files, labels, number, registry, scenes, terminal};
+use anyhow::ensure;
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use outcome::Outcome;
+use prt_transfer::{Error, Quiet, Result, TransferMatrix};
+use std::collections::HashSet;
+use std::path::PathBuf;
+use std::time::Duration;
+use study::{Study, Sweep};
+
+/// Every study.
+pub static STUDIES: [Study; 1] = [biclustering::STUDY];
+
+/// Time for each relighting figure: short, since there are hundreds; methods are timed in turn.
+const BUDGET: Duration = Duration::from_millis(15);
+
+/// Arguments of `prt stability`.
+#[derive(Args, Debug)]
+#[command(
+    after_help = "Examples:\n  prt stability biclustering\n  prt stability biclustering --sweep values --method csr --method compact"
+)]
+pub struct Stability {
+    /// Which methods' weaknesses
+    #[arg(value_name = "STUDY", value_parser = PossibleValuesParser::new(STUDIES.iter().map(|s| s.name)))]
+    pub study: String,
+    /// A method, instead of the usual ones; may be repeated. `compact` is always measured: others are compared with it
+    #[arg(long = "method", value_name = "LABEL")]
+    pub methods: Vec<String>,
+    /// Only this sweep; may be repeated
+    #[arg(long = "sweep", value_name = "SWEEP")]
+    pub sweeps: Vec<String>,
+    /// Vertices of the scene that every sweep starts from, about
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub vertices: u32,
+    /// Folder for the sweeps as .csv, .svg and .png
+    #[arg(long, value_name = "DIR", default_value = "prt-stability")]
+    pub out: PathBuf,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Stability, threads: usize) -> anyhow::Result<()> {
+    let registry = registry::registry();
+    let study = find(&arguments.study)?;
+    let sweeps = chosen(study, &arguments.sweeps)?;
+    let methods = labels::with_baseline(&registry, &arguments.methods, study.methods, BASELINE)?;
+    let out = cache::make(arguments.out.clone())?;
+    let (machine, pools) = (Machine::here(threads), Pools::new(threads)?);
+    let bench = Bench { registry: &registry, pools: &pools, budget: Budget::of(BUDGET) };
+    let base = scenes::precompute(study.scene, Some(arguments.vertices as usize), &(study.spec)(), &Quiet)?.matrix;
+    let steps = Steps::new(sweeps.iter().map(|sweep| (sweep.values)(&base).len()).sum::<usize>() * methods.len());
+    let subject = subject(study, &base);
+    let mut measured = false;
+    for sweep in sweeps {
+        let outcomes = outcomes(&bench, sweep, &base, &methods, &steps)?;
+        let path = |extension| out.join(format!("{}.{extension}", sweep.name));
+        let chart = outcome::panels(sweep, &subject, &outcomes, &methods);
+        files::write_beside(&path("csv"), &outcome::csv(sweep, &outcomes, &machine)?)?;
+        files::write_beside(&path("svg"), chart.svg(Some(&machine)).as_bytes())?;
+        files::write_beside(&path("png"), &chart.png(&machine)?)?;
+        steps.suspend(|| terminal::say(outcome::table(sweep, &outcomes)))?;
+        measured |= outcomes.iter().any(|outcome| outcome.row.is_ok());
+    }
+    steps.finish();
+    // One failure is what a sweep is for; nothing but failures is a failure.
+    ensure!(measured, "no method could be measured; {} says why", out.display());
+    let machine = machine.line();
+    terminal::say(format!("\n{subject}\n{LEGEND}\n{machine}\nsweeps as .csv, .svg and .png are in {}", out.display()))
+}
+
+/// What the columns of the table mean.
+const LEGEND: &str = "B/nnz, file, peak B: bytes in memory, in the file and at the peak of encoding, by non-zero\n\
+FLOPs %: of 2·nnz; x1 free: the same without multiplications by 1 and -1; enc s/M: encoding a million non-zeros, s\n\
+relight: time on one thread, compact = 1; error: Σ(T-T̃)²/ΣT², 0 is exact";
+
+fn find(name: &str) -> Result<&'static Study> {
+    let known = || STUDIES.iter().map(|s| s.name).collect::<Vec<_>>().join(", ");
+    STUDIES.iter().find(|s| s.name == name).ok_or_else(|| Error::Unknown {
+        what: "study",
+        name: name.into(),
+        known: known(),
+    })
+}
+
+/// The sweeps that were asked for; all of them where none was.
+fn chosen(study: &'static Study, names: &[String]) -> Result<Vec<&'static Sweep>> {
+    if names.is_empty() {
+        return Ok(study.sweeps.iter().collect());
+    }
+    let known = || study.sweeps.iter().map(|s| s.name).collect::<Vec<_>>().join(", ");
+    let find = |name: &String| {
+        let unknown = || Error::Unknown { what: "sweep", name: name.clone(), known: known() };
+        study.sweeps.iter().find(|sweep| sweep.name == name).ok_or_else(unknown)
+    };
+    names.iter().map(find).collect()
+}
+
+/// Scene, signal, basis, shape and non-zeros of the base.
+fn subject(study: &Study, base: &TransferMatrix) -> String {
+    let (shape, non_zeros) = (base.shape(), number::count(base.non_zeros() as u64));
+    let size = format!("{} x {} x {}", shape.samples, shape.responses, shape.lights);
+    format!("{} · {} · {} · {size} · {non_zeros} non-zeros", study.scene, (study.spec)().signal, base.basis())
+}
+
+/// Every method at every value of a sweep. What fails is an outcome with its reason.
+pub fn outcomes(
+    bench: &Bench,
+    sweep: &Sweep,
+    base: &TransferMatrix,
+    methods: &[String],
+    steps: &Steps,
+) -> anyhow::Result<Vec<Outcome>> {
+    let mut outcomes = Vec::new();
+    for value in (sweep.values)(base) {
+        let matrix = (sweep.matrix)(base, value)?;
+        let (about, distinct) = (About::of(&matrix, 0, 0.0), distinct(&matrix));
+        let reference = bench.pools.everywhere(|| Reference::new(matrix))?;
+        let subject = about.describe(Row { scene: format!("{} {value}", sweep.name), ..Row::default() });
+        let rows = compare(bench, &subject, &reference, methods, steps)?;
+        let baseline_ms = rows.iter().find(|row| row.method == BASELINE).and_then(|row| row.relight_1_ms);
+        outcomes.extend(rows.into_iter().map(|row| Outcome { value, distinct, row, baseline_ms }));
+    }
+    Ok(outcomes)
+}
+
+fn distinct(matrix: &TransferMatrix) -> usize {
+    let mut found = HashSet::new();
+    for row in 0..matrix.rows() {
+        found.extend(matrix.row(row).non_zeros().map(|(_, value)| value.to_bits()));
+    }
+    found.len()
+}
+
+#[cfg(test)]
+mod tests;
