@@ -48,12 +48,16 @@ impl Code {
         let memberships: Vec<Vec<Leaf>> =
             self.rows.iter().map(|row| row.iter().map(|&s| (s.into(), 1.0)).collect()).collect();
         let grown = grow_memberships(&memberships, first, options);
-        // A term that a row would have to subtract again is no term: such a row keeps what it had.
-        let covered = |row: usize| grown.leftover[row].iter().all(|&(_, value)| value == 1.0);
+        // Terms can only be added. A row that would have to take one away again keeps what it had.
+        let ones = |leaves: &[Leaf]| leaves.iter().all(|leaf| leaf.1 == 1.0);
+        let mut covered: Vec<bool> = grown.leftover.iter().map(|row| ones(row)).collect();
+        for bicluster in grown.biclusters.iter().filter(|b| !ones(&b.columns)) {
+            bicluster.rows.iter().for_each(|&row| covered[row as usize] = false);
+        }
         let mut terms: Vec<Vec<u16>> =
             grown.leftover.iter().map(|row| row.iter().map(|l| l.0 as u16).collect()).collect();
         for bicluster in grown.biclusters {
-            let rows: Vec<usize> = bicluster.rows.iter().map(|&r| r as usize).filter(|&row| covered(row)).collect();
+            let rows: Vec<usize> = bicluster.rows.iter().map(|&r| r as usize).filter(|&row| covered[row]).collect();
             let symbols: Vec<u16> = bicluster.columns.iter().map(|c| c.0 as u16).collect();
             let sum = self.leaves.len() + self.sums.len();
             if symbols.len() > 1 && rows.len() > 1 && sum < SYMBOLS {
@@ -63,7 +67,7 @@ impl Code {
                 rows.iter().for_each(|&row| terms[row].extend(&symbols));
             }
         }
-        for (row, terms) in terms.into_iter().enumerate().filter(|(row, _)| covered(*row)) {
+        for (row, terms) in terms.into_iter().enumerate().filter(|(row, _)| covered[*row]) {
             self.rows[row] = terms;
         }
     }
