@@ -30,7 +30,7 @@ pub(super) struct Search {
 
 impl Search {
     pub(super) fn new(block: Block, cost: Cost, seed: u64) -> Search {
-        let (candidate, best) = (Candidate::new(cost), Candidate::new(cost));
+        let (candidate, best) = (Candidate::new(&block, cost), Candidate::new(&block, cost));
         Search { block, cost, random: Random(seed), candidate, best, biclusters: Vec::new() }
     }
 
