@@ -38,32 +38,29 @@ pub(super) struct Block {
 
 impl Block {
     pub(super) fn new(rows: &[Vec<(u32, f32)>], columns: usize) -> Block {
-        let mut used = vec![false; columns];
-        for &(column, _) in rows.iter().flatten() {
-            used[column as usize] = true;
+        let mut bits: Vec<Vec<u32>> = vec![Vec::new(); columns];
+        for (id, value) in rows.iter().flat_map(|row| non_zeros(row)) {
+            bits[id as usize].push(value.to_bits());
         }
-        let ids = (0u32..).zip(&used).filter_map(|(id, &used)| used.then_some(id));
-        let columns = ids.map(|id| Column { id, cells: Vec::new(), dictionary: Dictionary::new() }).collect();
-        let mut block = Block { rows: Vec::with_capacity(rows.len()), columns, values: Vec::new() };
-        let local = ranks(&used);
+        let mut local = vec![0; columns];
+        let mut block = Block { rows: Vec::with_capacity(rows.len()), columns: Vec::new(), values: Vec::new() };
+        for (id, bits) in (0u32..).zip(bits).filter(|(_, bits)| !bits.is_empty()) {
+            local[id as usize] = block.columns.len() as u32;
+            let cells = Vec::with_capacity(bits.len());
+            block.columns.push(Column { id, cells, dictionary: Dictionary::new(bits, &mut block.values) });
+        }
         for (i, row) in (0u32..).zip(rows) {
-            let non_zeros = row.iter().filter(|&&(_, value)| value != 0.0);
-            let entries: Vec<_> = non_zeros.map(|&(id, value)| block.entry(local[id as usize], value)).collect();
+            let entries: Vec<_> = non_zeros(row).map(|(id, value)| block.entry(local[id as usize], value)).collect();
             for entry in &entries {
                 block.columns[entry.column as usize].cells.push(Cell { row: i, symbol: entry.symbol });
             }
             block.rows.push(entries);
         }
-        block.columns.iter_mut().for_each(|column| column.dictionary.fix());
         block
     }
 
     fn entry(&mut self, column: u32, value: f32) -> Entry {
-        let next = self.values.len() as u32;
-        let (symbol, new) = self.columns[column as usize].dictionary.symbol(value, next);
-        if new {
-            self.values.push(value);
-        }
+        let symbol = self.columns[column as usize].dictionary.symbol(value, &mut self.values);
         Entry { column, symbol }
     }
 
@@ -120,12 +117,6 @@ impl Block {
     }
 }
 
-/// How many are set before each.
-fn ranks(used: &[bool]) -> Vec<u32> {
-    let mut rank = 0;
-    let mut next = |used: &bool| {
-        rank += u32::from(*used);
-        rank - u32::from(*used)
-    };
-    used.iter().map(&mut next).collect()
+fn non_zeros(row: &[(u32, f32)]) -> impl Iterator<Item = (u32, f32)> {
+    row.iter().copied().filter(|&(_, value)| value != 0.0)
 }

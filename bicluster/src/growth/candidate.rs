@@ -21,7 +21,7 @@ pub(super) enum Operation {
     DeleteColumn(u32),
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Candidate {
     pub(super) cost: Cost,
     /// J, in order of insertion.
@@ -32,7 +32,7 @@ pub(super) struct Candidate {
     pub(super) column_keys: Vec<u32>,
     pub(super) has_row: Vec<bool>,
     pub(super) has_column: Vec<bool>,
-    /// All ones where a column may come in, else zero: a mask of keys.
+    /// Whether a column may come in, as a mask of its key: all ones or zero.
     pub(super) open: Vec<u32>,
     /// t_k: of each column the most frequent symbol in J, or [`NONE`].
     pub(super) symbol: Vec<u32>,
@@ -40,34 +40,57 @@ pub(super) struct Candidate {
     count: Vec<u32>,
     /// How many columns of K have residuals to be checked.
     pub(super) strict: usize,
-    /// Rows that any key ever touched.
-    pub(super) touched: Vec<u32>,
+    /// Rows and columns whose key is not zero, or has not always been.
+    pub(super) touched_rows: Vec<u32>,
+    pub(super) touched_columns: Vec<u32>,
     pub(super) queue: RowQueue,
     /// (key, column) of the open column with the largest key, where known.
     pub(super) top_column: Option<(u32, u32)>,
 }
 
 impl Candidate {
-    pub(super) fn new(cost: Cost) -> Candidate {
-        Candidate { cost, ..Candidate::default() }
+    /// No rows, no columns.
+    pub(super) fn new(block: &Block, cost: Cost) -> Candidate {
+        let (rows, columns) = (block.rows.len(), block.columns.len());
+        Candidate {
+            cost,
+            rows: Vec::new(),
+            columns: Vec::new(),
+            row_keys: vec![0; rows],
+            column_keys: vec![0; columns],
+            has_row: vec![false; rows],
+            has_column: vec![false; columns],
+            open: vec![u32::MAX; columns],
+            symbol: vec![NONE; columns],
+            count: vec![0; block.values.len()],
+            strict: 0,
+            touched_rows: Vec::new(),
+            touched_columns: Vec::new(),
+            queue: RowQueue::default(),
+            top_column: None,
+        }
     }
 
-    /// No rows, no columns.
+    /// No rows, no columns again; the block may have other elements and more symbols now.
     pub(super) fn clear(&mut self, block: &Block) {
-        let (rows, columns) = (block.rows.len(), block.columns.len());
-        refill(&mut self.row_keys, rows, 0);
-        refill(&mut self.column_keys, columns, 0);
-        refill(&mut self.has_row, rows, false);
-        refill(&mut self.has_column, columns, false);
-        refill(&mut self.open, columns, u32::MAX);
-        refill(&mut self.symbol, columns, NONE);
-        refill(&mut self.count, block.values.len(), 0);
-        self.rows.clear();
+        for row in self.touched_rows.drain(..) {
+            self.row_keys[row as usize] = 0;
+        }
+        for column in self.touched_columns.drain(..).map(|column| column as usize) {
+            self.column_keys[column] = 0;
+            self.has_column[column] = false;
+            self.open[column] = u32::MAX;
+            self.symbol[column] = NONE;
+        }
+        for row in self.rows.drain(..) {
+            self.has_row[row as usize] = false;
+        }
         self.columns.clear();
-        self.touched.clear();
+        self.count.clear();
+        self.count.resize(block.values.len(), 0);
         self.strict = 0;
         self.queue.clear();
-        self.top_column = Some((0, NONE));
+        self.top_column = None;
     }
 
     /// nnz(M) - nnz(residual): match + nnz - r summed over columns.
@@ -142,12 +165,12 @@ impl Candidate {
         self.strict += usize::from(!block.columns[column as usize].dictionary.roomy());
         self.queue.reserve(2 * self.columns.len());
         self.top_column = None;
-        let (queues, worthy) = (self.queues(), self.worthy_key());
+        let (queues, worthy) = (self.queue.is_complete(), self.worthy_key());
         let t = self.symbol[column as usize];
         for cell in &block.columns[column as usize].cells {
             let key = &mut self.row_keys[cell.row as usize];
             if *key == 0 {
-                self.touched.push(cell.row);
+                self.touched_rows.push(cell.row);
             }
             *key += 1 + u32::from(cell.symbol == t);
             if *key >= worthy && queues && !self.has_row[cell.row as usize] {
@@ -172,7 +195,12 @@ impl Candidate {
     /// Makes `term` the value of its column if more rows have it than the value of now, and says how many more.
     fn prefer(&mut self, block: &Block, term: Entry) -> u32 {
         let old = self.symbol[term.column as usize];
-        let now = if old == NONE { 0 } else { self.count[old as usize] };
+        let now = if old == NONE {
+            self.touched_columns.push(term.column);
+            0
+        } else {
+            self.count[old as usize]
+        };
         let more = self.count[term.symbol as usize].saturating_sub(now);
         if more == 0 || (self.has_column[term.column as usize] && !self.revalue(block, term)) {
             return 0;
@@ -217,11 +245,6 @@ impl Candidate {
     pub(super) fn term(&self, column: u32) -> Entry {
         Entry { column, symbol: self.symbol[column as usize] }
     }
-}
-
-fn refill<T: Clone>(items: &mut Vec<T>, length: usize, value: T) {
-    items.clear();
-    items.resize(length, value);
 }
 
 /// Takes `item` out of `items`, which have it.

@@ -4,7 +4,7 @@ use crate::params::Objective;
 
 /// Weights, in operations or bytes. A bicluster of r rows and l columns gains
 /// element·(nnz(M) - nnz(residual)) - row·r - column·l - base, where M is what its rows hold at its columns.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cost {
     /// An element left in the matrix, positive.
     pub(crate) element: u32,

@@ -16,7 +16,7 @@ const BITS: i32 = 24;
 pub(super) struct Dictionary {
     /// (bits of the value, symbol) by ascending bits.
     symbols: Vec<(u32, u32)>,
-    /// 2^g, set once all values of the input are known.
+    /// 2^g.
     unit: f64,
     /// What residuals stay below in magnitude: 2^(g+40), or 0 where the input's values do not.
     limit: f64,
@@ -25,32 +25,36 @@ pub(super) struct Dictionary {
 }
 
 impl Dictionary {
-    pub(super) fn new() -> Dictionary {
-        Dictionary { symbols: Vec::new(), unit: 1.0, limit: 0.0, roomy: false }
+    /// Of `bits` of the column's values, finite and not zero, in any order; the value of each symbol goes to `values`.
+    pub(super) fn new(mut bits: Vec<u32>, values: &mut Vec<f32>) -> Dictionary {
+        bits.sort_unstable();
+        bits.dedup();
+        let symbols = bits.iter().copied().zip(values.len() as u32..).collect();
+        let own: Vec<f32> = bits.into_iter().map(f32::from_bits).collect();
+        values.extend(&own);
+
+        let low = own.iter().copied().map(lowest_bit).min().unwrap_or(0);
+        let limit = f64::from(low + GRID_BITS).exp2();
+        let fits = own.iter().all(|value| f64::from(value.abs()) < limit);
+        let unit = f64::from(low).exp2();
+        let mut dictionary = Dictionary { symbols, unit, limit: if fits { limit } else { 0.0 }, roomy: false };
+        dictionary.roomy = own.iter().all(|&value| dictionary.is_roomy(value));
+        dictionary
     }
 
-    /// The symbol of `value`, and whether it is new: then it is `next`.
-    pub(super) fn symbol(&mut self, value: f32, next: u32) -> (u32, bool) {
+    /// The symbol of `value`; if it is new, `values` gets it.
+    pub(super) fn symbol(&mut self, value: f32, values: &mut Vec<f32>) -> u32 {
         let bits = value.to_bits();
         match self.symbols.binary_search_by_key(&bits, |&(bits, _)| bits) {
-            Ok(at) => (self.symbols[at].1, false),
+            Ok(at) => self.symbols[at].1,
             Err(at) => {
-                self.symbols.insert(at, (bits, next));
+                let symbol = values.len() as u32;
+                values.push(value);
+                self.symbols.insert(at, (bits, symbol));
                 self.roomy &= self.is_roomy(value);
-                (next, true)
+                symbol
             }
         }
-    }
-
-    /// Fixes the grid, once every value of the input has its symbol.
-    pub(super) fn fix(&mut self) {
-        let values = || self.symbols.iter().map(|&(bits, _)| f32::from_bits(bits));
-        let low = values().map(lowest_bit).min().unwrap_or(0);
-        let limit = f64::from(low + GRID_BITS).exp2();
-        let fits = values().all(|value| f64::from(value.abs()) < limit);
-        self.unit = f64::from(low).exp2();
-        self.limit = if fits { limit } else { 0.0 };
-        self.roomy = values().all(|value| self.is_roomy(value));
     }
 
     /// Whether `value` less a value as large is exact: 24 bits above the grid hold it, and so does the range of `f32`.

@@ -30,12 +30,12 @@ pub(super) struct Search {
 
 impl Search {
     pub(super) fn new(block: Block, cost: Cost, seed: u64) -> Search {
-        let (candidate, best) = (Candidate::new(cost), Candidate::new(cost));
+        let (candidate, best) = (Candidate::new(&block, cost), Candidate::new(&block, cost));
         Search { block, cost, random: Random(seed), candidate, best, biclusters: Vec::new() }
     }
 
-    /// A random element, as in the paper, until as many in sequence as there are rows left have come to nothing. Where one column
-    /// cannot pay for a row (memberships), no element grows: there a random row that shares it comes in too.
+    /// A random element of a random row, much as in the paper, until as many in sequence as there are rows left have come to
+    /// nothing. Where one column cannot pay for a row (memberships), no element grows: there a random row that shares it comes in too.
     pub(super) fn random(&mut self) {
         let partners = usize::from(self.cost.row >= self.cost.element);
         let mut rows = self.all_rows();
@@ -51,7 +51,7 @@ impl Search {
         }
     }
 
-    /// The row with the most elements left, until none starts a bicluster; one that failed is tried again when it has changed.
+    /// The row with the most elements left, until each has failed to start a bicluster once.
     pub(super) fn longest(&mut self) {
         let mut rows: BinaryHeap<_> = (0u32..).zip(&self.block.rows).map(|(i, row)| (row.len(), Reverse(i))).collect();
         while let Some((length, Reverse(row))) = rows.pop() {

@@ -1,7 +1,8 @@
 //! Selection of the operation with the largest influence.
 //!
 //! Row keys change only when columns do, and one value of l is in all influences: rows wait in buckets by key, and serve all
-//! insertions between two changes of columns. A row moves by being put into another bucket too; where it was it is passed over. Column
+//! insertions between two changes of columns. A row that rises is put into a higher bucket too; when the lower one is reached, it is
+//! in or not allowed. Column
 //! keys only rise while rows come in, so the best column is known without a queue until a column comes in or a row goes.
 
 use super::block::Block;
@@ -32,6 +33,11 @@ impl RowQueue {
     pub(super) fn forget(&mut self) {
         self.complete = false;
         self.least = None;
+    }
+
+    /// Whether rows that rise are to be put; if not, all are when the queue is next asked.
+    pub(super) fn is_complete(&self) -> bool {
+        self.complete
     }
 
     /// Keys are about to rise to `most` at the most.
@@ -90,8 +96,7 @@ impl Candidate {
         }
         while let Some(key) = self.queue.end.checked_sub(1) {
             while let Some(&row) = self.queue.buckets[key].last() {
-                let current = self.row_keys[row as usize] == key as u32 && !self.has_row[row as usize];
-                if current && self.fits(block, row) {
+                if !self.has_row[row as usize] && self.fits(block, row) {
                     return Some(row);
                 }
                 self.queue.buckets[key].pop();
@@ -105,7 +110,7 @@ impl Candidate {
         self.queue.clear();
         self.queue.reserve(2 * self.columns.len());
         let worthy = self.worthy_key();
-        for &row in &self.touched {
+        for &row in &self.touched_rows {
             let key = self.row_keys[row as usize];
             if key >= worthy && !self.has_row[row as usize] {
                 self.queue.put(key, row);
@@ -143,15 +148,7 @@ impl Candidate {
     }
 
     fn scan(&self) -> (u32, u32) {
-        // Signed, as baseline x86-64 has no unsigned maximum of lanes; a key is at most twice the rows.
-        let keys = || self.column_keys.iter().zip(&self.open).map(|(&key, &open)| (key & open) as i32);
-        let most = keys().fold(0, i32::max);
-        let at = if most > 0 { keys().position(|key| key == most) } else { None };
-        (most as u32, at.map_or(NONE, |at| at as u32))
-    }
-
-    /// Whether the queue takes rows that rise; if not, it is refilled when it is next asked.
-    pub(super) fn queues(&self) -> bool {
-        self.queue.complete
+        let key = |&column: &u32| (self.column_keys[column as usize] & self.open[column as usize], column);
+        self.touched_columns.iter().map(key).filter(|&(key, _)| key > 0).max().unwrap_or((0, NONE))
     }
 }
