@@ -14,6 +14,9 @@ use prt_transfer::sections::broken;
 use prt_transfer::{Encoded, Quiet, Result, Shape, Sink, Source};
 use rayon::prelude::*;
 
+/// The number of pairs of a block where nothing is shared.
+const PLAIN: u32 = u32::MAX;
+
 /// Writes the short form; `false`, and nothing written, where there is none.
 pub(crate) fn write(sums: &Sums, sink: &mut Sink) -> bool {
     if sums.regions.is_empty() {
@@ -24,7 +27,8 @@ pub(crate) fn write(sums: &Sums, sink: &mut Sink) -> bool {
         return false;
     }
     sink.put("index/regions", &sums.regions);
-    sink.put("index/pairs", &sums.blocks.iter().map(|b| b[1]).collect::<Vec<_>>());
+    let pairs = |block: &[u32; 3]| if block[0] == 0 { PLAIN } else { block[1] };
+    sink.put("index/pairs", &sums.blocks.iter().map(pairs).collect::<Vec<_>>());
     // The next pair's first symbol mostly lies a little above the last one's.
     let pairs = sums.inputs.as_chunks::<2>().0;
     let before = std::iter::once(0).chain(pairs.iter().map(|p| p[0]));
@@ -45,7 +49,7 @@ pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<Sums> {
     let matrix = Listing::read(shape, source)?;
     let distinct = Distinct::of(&matrix, &Quiet)?;
     let kinds = blocks(&matrix, &distinct, &regions);
-    let merged: u64 = counts.iter().map(|&n| u64::from(n)).sum();
+    let merged: u64 = counts.iter().filter(|&&n| n != PLAIN).map(|&n| u64::from(n)).sum();
     if counts.len() != kinds.len() || merged != first.len() as u64 || first.len() != second.len() {
         let expected = format!("pairs of {} blocks", kinds.len());
         return Err(broken("index/pairs", expected, format!("{merged} of {} blocks", counts.len())));
@@ -56,12 +60,16 @@ pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<Sums> {
         [symbol, symbol.wrapping_add(second as u16)]
     });
     let mut pairs = pairs.collect::<Vec<Pair>>().into_iter();
-    let pairs: Vec<Vec<Pair>> = counts.iter().map(|&n| pairs.by_ref().take(n as usize).collect()).collect();
+    let of_block = |&n: &u32| (n != PLAIN).then(|| pairs.by_ref().take(n as usize).collect());
+    let pairs: Vec<Option<Vec<Pair>>> = counts.iter().map(of_block).collect();
     let blocks: Vec<Block> = (kinds.into_par_iter().zip(pairs))
         .map(|(kinds, pairs)| {
             let rows = rows(&matrix, &distinct, &kinds);
-            Block::replay(kinds, rows, pairs)
-                .ok_or_else(|| broken("index/first", "pairs of earlier symbols", "later ones"))
+            match pairs {
+                None => Ok(Block::plain(kinds, rows)),
+                Some(pairs) => Block::replay(kinds, rows, pairs)
+                    .ok_or_else(|| broken("index/first", "pairs of earlier symbols", "later ones")),
+            }
         })
         .collect::<Result<_>>()?;
     lay_out(&matrix, &distinct, &blocks, regions)

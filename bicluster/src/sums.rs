@@ -17,7 +17,7 @@ pub(crate) struct Sums {
     pub(crate) shape: Shape,
     /// For each row the number of its product, counted from 1; 0 where it has none.
     pub(crate) slots: Vec<u32>,
-    /// For each block: runs of leaves with one factor, sums, groups of rows with as many terms.
+    /// For each block: runs of leaves with one factor, sums, groups of rows with as many terms; zeros where nothing is shared.
     pub(crate) blocks: Vec<[u32; 3]>,
     /// The factor of each run of leaves.
     pub(crate) factors: Vec<f32>,
@@ -104,9 +104,14 @@ impl Sums {
         };
         let binary = blocks.iter().filter_map(Block::code).all(|c| c.sums.iter().all(|s| s.len() == 2));
         let mut products = Vec::new();
-        for (block, code) in blocks.iter().filter_map(|b| b.code().map(|code| (b, code))) {
-            sums.push(code, binary);
-            products.extend(by_terms(&code.rows).into_iter().map(|row| block.kinds[row]));
+        for block in blocks {
+            match block.code() {
+                Some(code) => {
+                    sums.push(code, binary);
+                    products.extend(by_terms(&code.rows).into_iter().map(|row| block.kinds[row]));
+                }
+                None => sums.blocks.push([0; 3]),
+            }
         }
         let kinds = blocks.iter().map(|b| b.kinds.len()).sum();
         let mut slots = vec![0u32; kinds];
