@@ -8,6 +8,7 @@ use prt_transfer::compact::Compact;
 use prt_transfer::csr::Csr;
 use prt_transfer::dense::Dense;
 use prt_transfer::f16::F16;
+use prt_transfer::runs::Runs;
 use prt_transfer::{Codec, Encoded, LightBasis, Quiet, Sink, TransferMatrix};
 use rayon::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -40,6 +41,7 @@ fn sparse() -> Vec<Candidate> {
     vec![
         ("csr", encode::<Csr>(&whole), whole.non_zeros()),
         ("compact", encode::<Compact>(&whole), whole.non_zeros()),
+        ("runs", encode::<Runs>(&whole), whole.non_zeros()),
         ("f16", encode::<F16>(&whole), whole.non_zeros()),
         ("csr, light in 2 KiB", encode::<Csr>(&near), near.non_zeros()),
         ("csr, in cache", encode::<Csr>(&short), short.non_zeros()),

@@ -4,6 +4,7 @@ use prt_transfer::compact::Compact;
 use prt_transfer::csr::Csr;
 use prt_transfer::dense::Dense;
 use prt_transfer::f16::F16;
+use prt_transfer::runs::Runs;
 use prt_transfer::sh::Sh;
 use prt_transfer::transform::Identity;
 use prt_transfer::{Label, Method, Registry, Result};
@@ -18,6 +19,7 @@ pub fn registry() -> Registry {
         .codec::<Dense>()
         .codec::<Csr>()
         .codec::<Compact>()
+        .codec::<Runs>()
         .codec::<F16>()
         .codec::<Truncate>()
 }

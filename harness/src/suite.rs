@@ -49,7 +49,7 @@ const QUICK_SCENES: [&str; 1] = ["teapot"];
 const FULL_SCENES: [&str; 7] = ["teapot", "cornell-box", "two-polygons", "temple", "chair", "bumpy-sphere", "blob"];
 
 /// The rivals that a reader will think of, exact and not.
-const RIVALS: [&str; 4] = ["dense", "csr", "compact", "f16"];
+const RIVALS: [&str; 5] = ["dense", "csr", "compact", "runs", "f16"];
 const QUICK_METHODS: [&str; 3] = ["haar+truncate:terms=16", "haar+truncate:terms=64", "sh:order=5+dense"];
 const METHODS: [&str; 9] = [
     "truncate:terms=64",

@@ -5,7 +5,7 @@ use prt_harness::registry::registry;
 use prt_tests::*;
 use prt_transfer::io::prt;
 use prt_transfer::sections::Section;
-use prt_transfer::{Compressed, Label, Registry};
+use prt_transfer::{Compressed, Label, Registry, TransferMatrix};
 use rand::RngExt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -156,6 +156,24 @@ fn exact_codecs_give_back_every_element() {
     });
 }
 
+/// Multiplications and additions of `runs`: a product for each element alone and for each value that has runs in a row, two
+/// additions for each run, and the prefix sums.
+fn flops_of_runs(matrix: &TransferMatrix) -> [u64; 2] {
+    let (mut products, mut runs) = (0, 0);
+    for row in elements(matrix).outer_iter() {
+        let mut values = Vec::new();
+        for run in row.to_vec().chunk_by(|a, b| a == b).filter(|run| run[0] != 0.0) {
+            products += u64::from(run.len() == 1);
+            runs += u64::from(run.len() > 1);
+            if run.len() > 1 && !values.contains(&run[0]) {
+                values.push(run[0]);
+            }
+        }
+        products += values.len() as u64;
+    }
+    [products, products + 2 * runs + matrix.lights() as u64]
+}
+
 #[test]
 fn flops_equal_the_closed_formula() {
     for_every_method(|_, label, case, compressed| {
@@ -165,18 +183,22 @@ fn flops_equal_the_closed_formula() {
         let shape = case.matrix.shape();
         let flops = compressed.flops(light(shape.lights, 1).column(0).to_vec().as_slice()).unwrap();
         // `compact` and `f16` keep every element where that is smaller, and then have no index.
-        let full = compressed.sections().sizes().all(|(name, _)| !name.starts_with("index/"));
+        let sections = |prefix| compressed.sections().sizes().any(|(name, _)| name.starts_with(prefix));
+        let stored = if sections("index/") { case.matrix.non_zeros() } else { shape.rows() * shape.lights };
         let products = match label.codec.name.as_str() {
             "dense" => shape.rows() * shape.lights,
-            "compact" | "f16" if full => shape.rows() * shape.lights,
-            "csr" | "compact" | "f16" => case.matrix.non_zeros(),
+            "csr" => case.matrix.non_zeros(),
+            "compact" | "f16" => stored,
             // One product for every element that is kept: what decodes to a non-zero.
             "truncate" => decoded(compressed).iter().filter(|v| **v != 0.0).count(),
+            "runs" if !sections("index/run_") => stored,
+            "runs" => {
+                return assert_eq!(flops_of_runs(&case.matrix), [flops.multiplications, flops.additions], "{label}");
+            }
             other => panic!("state the closed formula of {other}"),
         };
         // Values stored as multiples of a row's step take one more multiplication a row.
-        let steps =
-            if compressed.sections().sizes().any(|(name, _)| name == "weights/steps") { shape.rows() } else { 0 };
+        let steps = if sections("weights/steps") { shape.rows() } else { 0 };
         assert_eq!(flops.multiplications, (products + steps) as u64, "{label} on {}", case.name);
         assert_eq!(flops.additions, products as u64, "{label} on {}", case.name);
     });

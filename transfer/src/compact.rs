@@ -8,7 +8,7 @@ use crate::codec::{Codec, Configure, Encoded, Restore};
 use crate::error::Result;
 use crate::flops::Flops;
 use crate::matrix::{Shape, TransferMatrix};
-use crate::narrow::{Narrow, Pattern, Values};
+use crate::narrow::Narrow;
 use crate::progress::Progress;
 use crate::sections::{Sink, Source};
 use ndarray::{ArrayView2, ArrayViewMut2};
@@ -37,31 +37,7 @@ impl Configure for Compact {
 impl Codec for Compact {
     type Encoded = EncodedCompact;
     fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<EncodedCompact> {
-        let (shape, cells) = (matrix.shape(), matrix.rows() * matrix.lights());
-        let (pattern, values) = Pattern::of(matrix, progress)?;
-        let values = Values::narrowest(values);
-        let sparse_bytes = pattern.bytes() + values.bytes();
-        // A full matrix takes a byte an element or more.
-        if cells < sparse_bytes {
-            let full = Values::narrowest(all_values(matrix));
-            if full.bytes() < sparse_bytes {
-                return Ok(EncodedCompact(Narrow::full(shape, full)));
-            }
-        }
-        Ok(EncodedCompact(Narrow::sparse(shape, pattern, values)))
-    }
-}
-
-/// Every element, row-major.
-fn all_values(matrix: &TransferMatrix) -> Vec<f32> {
-    match matrix.as_dense() {
-        Some(values) => values.to_vec(),
-        None => {
-            let mut values = vec![0f32; matrix.rows() * matrix.lights()];
-            let rows = values.chunks_mut(matrix.lights().max(1)).enumerate();
-            rows.for_each(|(row, out)| matrix.gather(row, out));
-            values
-        }
+        Ok(EncodedCompact(Narrow::exact(matrix, progress)?))
     }
 }
 

@@ -6,12 +6,14 @@
 
 mod column;
 pub mod dense;
+mod intervals;
 mod sparse;
 mod stored;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 pub use column::Column;
+pub(crate) use intervals::interval_sums;
 pub(crate) use sparse::{dot, rows_of};
 pub use sparse::{sparse_dot, sparse_rows};
 pub(crate) use stored::{Dictionary, Half, Integer, Plain, Stored};
@@ -64,7 +66,7 @@ pub fn apply<K: RowKernel>(kernel: &K, shape: Shape, lights: ArrayView2<f32>, ou
 }
 
 /// Hands over channels in groups of at most four.
-fn by_channels(
+pub(crate) fn by_channels(
     lights: ArrayView2<f32>,
     mut out: ArrayViewMut2<f32>,
     mut group: impl FnMut(ArrayView2<f32>, ArrayViewMut2<f32>),
@@ -76,26 +78,36 @@ fn by_channels(
     }
 }
 
-fn apply_packed<const N: usize, K: RowKernel>(kernel: &K, lights: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
-    let packed = pack(lights);
+fn apply_packed<const N: usize, K: RowKernel>(kernel: &K, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) {
+    let packed = pack::<N>(lights);
     // Vector kernels multiply lanes that they do not want by 0, which an infinite coefficient would turn into a NaN.
-    let finite = packed.as_flattened().iter().all(|x| x.is_finite());
+    let finite = all_finite(&packed);
+    by_blocks(out, |first, products| match finite {
+        true => kernel.block(first, &packed, products),
+        false => each_row(kernel, first, &packed, products),
+    });
+}
+
+/// Whether every coefficient is a number.
+pub(crate) fn all_finite<const N: usize>(packed: &[[f32; N]]) -> bool {
+    packed.as_flattened().iter().all(|x| x.is_finite())
+}
+
+/// Fills the output in blocks of at most [`BLOCK_ROWS`] rows, each from a multiple of it: `products(first, out)` gives the first
+/// rows' products.
+pub(crate) fn by_blocks<const N: usize>(mut out: ArrayViewMut2<f32>, products: impl Fn(usize, &mut [[f32; N]]) + Sync) {
     out.axis_chunks_iter_mut(Axis(0), ROWS_PER_TASK).into_par_iter().enumerate().for_each(|(task, mut rows)| {
-        let mut products = [[0.0; N]; BLOCK_ROWS];
+        let mut lanes = [[0.0; N]; BLOCK_ROWS];
         for (block, rows) in rows.axis_chunks_iter_mut(Axis(0), BLOCK_ROWS).enumerate() {
-            let first = task * ROWS_PER_TASK + block * BLOCK_ROWS;
-            let products = &mut products[..rows.nrows()];
-            match finite {
-                true => kernel.block(first, &packed, products),
-                false => each_row(kernel, first, &packed, products),
-            }
-            store(products, rows);
+            let lanes = &mut lanes[..rows.nrows()];
+            products(task * ROWS_PER_TASK + block * BLOCK_ROWS, lanes);
+            store(lanes, rows);
         }
     });
 }
 
 /// The channels of each light coefficient side by side, up to `N` of them.
-fn pack<const N: usize>(lights: ArrayView2<f32>) -> Vec<[f32; N]> {
+pub(crate) fn pack<const N: usize>(lights: ArrayView2<f32>) -> Vec<[f32; N]> {
     let mut packed = vec![[0f32; N]; lights.nrows()];
     let lights = lights.as_standard_layout();
     let coefficients = lights.as_slice().expect("standard layout");

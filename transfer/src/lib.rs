@@ -8,7 +8,7 @@
 //!
 //! | feature | adds |
 //! | --- | --- |
-//! | (none) | the vocabulary, and the exact codecs [`dense`], [`csr`], [`compact`] and half precision [`f16`](mod@f16) |
+//! | (none) | the vocabulary, and the exact codecs [`dense`], [`csr`], [`compact`], [`runs`] and half precision [`f16`](mod@f16) |
 //! | `io` | files: `.prt`, `.npz`, `.npy`, `.mtx`, `.ply`, `.obj`, `.exr`, `.hdr` |
 //! | `scene` | meshes, built-in scenes and lights, visibility, the signals `biscale` and `diffuse` |
 
@@ -33,6 +33,7 @@ pub mod method;
 mod narrow;
 pub mod params;
 pub mod progress;
+pub mod runs;
 #[cfg(feature = "scene")]
 pub mod scene;
 pub mod sections;

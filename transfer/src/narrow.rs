@@ -1,22 +1,28 @@
-//! Rows in narrow widths: what `compact` and `f16` hold in memory and write, section for section.
+//! Rows in narrow widths: what `compact`, `f16` and the single elements of `runs` hold in memory and write, section for section.
 //!
 //! A sparse matrix keeps the length of each row instead of its offset, in the narrowest integer that holds the longest row,
 //! and one offset per block of rows so that threads and lookups can start anywhere; columns take the narrowest integer that
 //! holds the last column. A full matrix keeps values alone.
 
+mod pattern;
 mod values;
 mod whole;
 
-pub(crate) use values::Values;
-use whole::Whole;
+pub(crate) use pattern::{Elements, Pattern};
+pub(crate) use values::{ValueSections, Values};
+pub(crate) use whole::Whole;
 
 use crate::error::Result;
 use crate::flops::{Count, Flops};
 use crate::kernel::{self, BLOCK_ROWS, Column, Dictionary, Half, Integer, Plain, RowKernel, Stored};
 use crate::matrix::{Shape, TransferMatrix};
 use crate::progress::Progress;
-use crate::sections::{Sink, Source, broken};
+use crate::sections::{Sink, Source};
 use ndarray::{ArrayView2, ArrayViewMut2};
+
+/// Where the values of a matrix's elements are written.
+const ELEMENTS: ValueSections =
+    ValueSections { header: "header/layout", codes: "weights/values", table: "weights/table" };
 
 /// A matrix of narrow numbers.
 pub(crate) struct Narrow {
@@ -24,14 +30,6 @@ pub(crate) struct Narrow {
     /// Where the values are; `None` where there is one for every row and light.
     pattern: Option<Pattern>,
     values: Values,
-}
-
-/// Places of the stored elements of a sparse matrix.
-pub(crate) struct Pattern {
-    lengths: Whole,
-    /// The first element of every block of [`BLOCK_ROWS`] rows.
-    starts: Vec<u64>,
-    columns: Whole,
 }
 
 /// Evaluates an expression for the values as they are stored.
@@ -53,7 +51,7 @@ macro_rules! with_values {
         $body
     }};
 }
-pub(super) use with_values;
+pub(crate) use with_values;
 
 /// Evaluates an expression for the columns as they are stored.
 macro_rules! with_columns {
@@ -65,89 +63,7 @@ macro_rules! with_columns {
         }
     };
 }
-
-impl Pattern {
-    /// Places of the non-zero elements of `matrix`, and their values in the same order.
-    pub(crate) fn of(matrix: &TransferMatrix, progress: &dyn Progress) -> Result<(Pattern, Vec<f32>)> {
-        let (rows, lights) = (matrix.rows(), matrix.lights());
-        progress.start("encode", rows as u64);
-        let (mut lengths, mut columns) = (Whole::up_to(lights), Whole::up_to(lights.saturating_sub(1)));
-        let (mut starts, mut values) = (Vec::with_capacity(rows.div_ceil(BLOCK_ROWS)), Vec::new());
-        for row in 0..rows {
-            if row % BLOCK_ROWS == 0 {
-                starts.push(values.len() as u64);
-            }
-            let before = values.len();
-            for (col, value) in matrix.row(row).non_zeros() {
-                columns.push(col);
-                values.push(value);
-            }
-            lengths.push(values.len() - before);
-            progress.advance(1)?;
-        }
-        let longest = lengths.max();
-        columns.shrink_to_fit();
-        Ok((Pattern { lengths: lengths.narrowed(longest), starts, columns }, values))
-    }
-
-    /// Bytes of its sections.
-    pub(crate) fn bytes(&self) -> usize {
-        self.lengths.bytes() + self.columns.bytes() + size_of_val(&self.starts[..])
-    }
-
-    /// The elements of one row.
-    fn range(&self, row: usize) -> std::ops::Range<usize> {
-        let block = row / BLOCK_ROWS;
-        let before: usize = (block * BLOCK_ROWS..row).map(|r| self.lengths.at(r)).sum();
-        let start = self.starts[block] as usize + before;
-        start..start + self.lengths.at(row)
-    }
-
-    fn write(&self, sink: &mut Sink) {
-        self.lengths.write(sink, "index/lengths");
-        sink.put("index/starts", &self.starts);
-        self.columns.write(sink, "index/columns");
-    }
-
-    fn read(shape: Shape, source: &mut Source, widths: [i32; 2]) -> Result<Pattern> {
-        let rows = shape.rows();
-        let lengths = Whole::read(source, "index/lengths", widths[0])?;
-        if lengths.len() != rows {
-            return Err(broken("index/lengths", format!("{rows} numbers"), format!("{} numbers", lengths.len())));
-        }
-        let starts: Vec<u64> = source.take_exact("index/starts", rows.div_ceil(BLOCK_ROWS))?;
-        let columns = Whole::read(source, "index/columns", widths[1])?;
-        let mut start = 0usize;
-        for row in 0..rows {
-            if row % BLOCK_ROWS == 0 && starts[row / BLOCK_ROWS] != start as u64 {
-                let found = starts[row / BLOCK_ROWS].to_string();
-                return Err(broken("index/starts", format!("{start}, the elements before row {row}"), found));
-            }
-            // No overflow: each length is below 2^32 and start at most the number of columns, or the loop has ended.
-            let end = start + lengths.at(row);
-            if end > columns.len() {
-                let expected = format!("at least {end} columns, up to row {row}");
-                return Err(broken("index/columns", expected, format!("{} columns", columns.len())));
-            }
-            if !with_columns!(&columns, c => ascending_below(&c[start..end], shape.lights)) {
-                return Err(broken(
-                    "index/columns",
-                    format!("ascending columns below {} in row {row}", shape.lights),
-                    format!("{:?}", (start..end.min(start + 8)).map(|i| columns.at(i)).collect::<Vec<_>>()),
-                ));
-            }
-            start = end;
-        }
-        if start != columns.len() {
-            return Err(broken("index/columns", format!("{start} columns"), format!("{} columns", columns.len())));
-        }
-        Ok(Pattern { lengths, starts, columns })
-    }
-}
-
-fn ascending_below<I: Column>(columns: &[I], lights: usize) -> bool {
-    columns.windows(2).all(|w| w[0].at() < w[1].at()) && columns.last().is_none_or(|c| c.at() < lights)
-}
+pub(crate) use with_columns;
 
 impl Narrow {
     /// Values at the places of a pattern, in its order.
@@ -160,6 +76,36 @@ impl Narrow {
     pub(crate) fn full(shape: Shape, values: Values) -> Narrow {
         debug_assert_eq!(shape.rows() * shape.lights, values.len());
         Narrow { shape, pattern: None, values }
+    }
+
+    /// Every element of `matrix`, exactly, in the fewest bytes: sparse or full.
+    pub(crate) fn exact(matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Narrow> {
+        let (shape, cells) = (matrix.shape(), matrix.rows() * matrix.lights());
+        let (pattern, values) = Pattern::of(matrix, progress)?;
+        let sparse = Narrow::sparse(shape, pattern, Values::narrowest(values));
+        // A full matrix takes a byte an element or more.
+        if cells < sparse.bytes() {
+            let full = Narrow::full(shape, Values::narrowest(all_values(matrix)));
+            if full.bytes() < sparse.bytes() {
+                return Ok(full);
+            }
+        }
+        Ok(sparse)
+    }
+
+    /// Bytes of all sections but the header.
+    pub(crate) fn bytes(&self) -> usize {
+        self.pattern.as_ref().map_or(0, Pattern::bytes) + self.values.bytes()
+    }
+
+    /// Columns of the stored elements of one row of a sparse matrix; none of a full one.
+    pub(crate) fn row_columns(&self, row: usize) -> impl Iterator<Item = usize> + '_ {
+        self.pattern.iter().flat_map(move |p| p.range(row).map(|i| p.columns.at(i)))
+    }
+
+    /// Whether there is a value for every row and light.
+    pub(crate) fn is_full(&self) -> bool {
+        self.pattern.is_none()
     }
 
     /// Whether values are halves.
@@ -197,7 +143,7 @@ impl Narrow {
         if let Some(pattern) = &self.pattern {
             pattern.write(sink);
         }
-        self.values.write(sink);
+        self.values.write(sink, ELEMENTS);
     }
 
     pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<Narrow> {
@@ -207,8 +153,21 @@ impl Narrow {
             widths => Some(Pattern::read(shape, source, widths)?),
         };
         let count = pattern.as_ref().map_or(shape.rows() * shape.lights, |p| p.columns.len());
-        let values = Values::read(source, header[0], header[1], count)?;
+        let values = Values::read(source, ELEMENTS, header[0], header[1], count)?;
         Ok(Narrow { shape, pattern, values })
+    }
+}
+
+/// Every element, row-major.
+fn all_values(matrix: &TransferMatrix) -> Vec<f32> {
+    match matrix.as_dense() {
+        Some(values) => values.to_vec(),
+        None => {
+            let mut values = vec![0f32; matrix.rows() * matrix.lights()];
+            let rows = values.chunks_mut(matrix.lights().max(1)).enumerate();
+            rows.for_each(|(row, out)| matrix.gather(row, out));
+            values
+        }
     }
 }
 

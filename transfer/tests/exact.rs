@@ -1,4 +1,4 @@
-//! What `csr`, `dense`, `compact` and `f16` promise, on matrices of every kind of value.
+//! What `csr`, `dense`, `compact`, `runs` and `f16` promise, on matrices of every kind of value.
 
 use ndarray::{Array2, ArrayView2, ShapeBuilder};
 use proptest::prelude::*;
@@ -6,6 +6,7 @@ use prt_transfer::compact::{Compact, EncodedCompact};
 use prt_transfer::csr::{Csr, EncodedCsr};
 use prt_transfer::dense::{Dense, EncodedDense};
 use prt_transfer::f16::{EncodedF16, F16};
+use prt_transfer::runs::{EncodedRuns, Runs};
 use prt_transfer::{Codec, Encoded, LightBasis, Quiet, Restore, Section, Shape, Sink, Source, TransferMatrix};
 
 /// Encodes, writes, reads back.
@@ -32,9 +33,9 @@ fn read<E: Restore>(shape: Shape, sections: Vec<Section>) -> prt_transfer::Resul
 }
 
 type Through = fn(&TransferMatrix) -> (Box<dyn Encoded>, Vec<Section>);
-const EXACT: [(&str, Through); 3] =
-    [("csr", through::<Csr>), ("dense", through::<Dense>), ("compact", through::<Compact>)];
-const ALL: [(&str, Through); 4] = [EXACT[0], EXACT[1], EXACT[2], ("f16", through::<F16>)];
+const EXACT: [(&str, Through); 4] =
+    [("csr", through::<Csr>), ("dense", through::<Dense>), ("compact", through::<Compact>), ("runs", through::<Runs>)];
+const ALL: [(&str, Through); 5] = [EXACT[0], EXACT[1], EXACT[2], EXACT[3], ("f16", through::<F16>)];
 
 /// Values of one kind: each calls for another form.
 fn value() -> impl Strategy<Value = BoxedStrategy<f32>> {
@@ -163,7 +164,8 @@ proptest! {
         let (cells, nnz) = ((matrix.rows() * matrix.lights()) as u64, matrix.non_zeros() as u64);
         let ones: u64 = (0..matrix.rows()).map(|r| matrix.row(r).non_zeros().filter(|e| e.1.abs() == 1.0).count() as u64).sum();
         let light = vec![1.0; matrix.lights()];
-        for (name, through) in EXACT {
+        // `runs` has a test of its own.
+        for (name, through) in EXACT.into_iter().filter(|e| e.0 != "runs") {
             let (encoded, bytes) = through(&matrix);
             let flops = encoded.flops(&light);
             let full = name == "dense" || (name == "compact" && bytes.iter().all(|s| s.name != "index/columns"));
@@ -201,7 +203,7 @@ proptest! {
 
     #[test]
     fn damaged_sections_are_refused_or_can_be_used(
-        matrix in matrix_of(value()), codec in 0usize..4, section in any::<prop::sample::Index>(),
+        matrix in matrix_of(value()), codec in 0usize..5, section in any::<prop::sample::Index>(),
         place in any::<prop::sample::Index>(), bit in 0u8..8, cut in any::<bool>(),
     ) {
         let (_, mut sections) = ALL[codec].1(&matrix);
@@ -216,6 +218,7 @@ proptest! {
             0 => read::<EncodedCsr>(shape, sections).ok().map(|e| Box::new(e) as _),
             1 => read::<EncodedDense>(shape, sections).ok().map(|e| Box::new(e) as _),
             2 => read::<EncodedCompact>(shape, sections).ok().map(|e| Box::new(e) as _),
+            3 => read::<EncodedRuns>(shape, sections).ok().map(|e| Box::new(e) as _),
             _ => read::<EncodedF16>(shape, sections).ok().map(|e| Box::new(e) as _),
         };
         prop_assert!(accepted.is_none() || !cut, "a section cut short was accepted");

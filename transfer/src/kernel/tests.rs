@@ -89,6 +89,42 @@ proptest! {
     }
 }
 
+/// Intervals from the columns and codes of [`rows`], the vector kernel beside the portable one and the sums themselves.
+fn check_intervals<const N: usize>(ends: &[u32], columns: &[u8], codes: &[u8]) {
+    // Every kind of width; the lengths of groups are at least 1.
+    let starts: Vec<u16> = columns.iter().map(|&c| c.into()).collect();
+    let lengths: Vec<u32> = codes.iter().map(|&c| c.into()).collect();
+    let prefix: Vec<[f64; N]> = (0..512).map(|k| std::array::from_fn(|c| f64::from(k * k + c as i32))).collect();
+    let (mut fast, mut plain) = (vec![[9.0; N]; ends.len()], vec![[9.0; N]; ends.len()]);
+    // SAFETY: columns and codes are below 256, their sum below 512.
+    unsafe {
+        interval_sums(ends, &starts, &lengths, &prefix, &mut fast);
+        intervals::portable(ends, columns, codes, &prefix, &mut plain);
+    }
+    assert_eq!(fast, plain);
+    let mut start = 0;
+    for (sum, &end) in plain.iter().zip(ends) {
+        let term = |i: usize| i64::from(codes[i]) * (2 * i64::from(columns[i]) + i64::from(codes[i]));
+        assert_eq!(*sum, [(start..end as usize).map(term).sum::<i64>() as f64; N]);
+        start = end as usize;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn vector_and_portable_sums_of_intervals_are_the_sums((mut ends, columns, codes) in rows(0..=BLOCK_ROWS)) {
+        ends.dedup();
+        ends.retain(|&end| end > 0);
+        check_intervals::<1>(&ends, &columns, &codes);
+        check_intervals::<4>(&ends, &columns, &codes);
+        let more = |v: &[u8]| [v, &[255; 4]].concat();
+        check_intervals::<1>(&ends, &more(&columns), &more(&codes));
+        check_intervals::<4>(&ends, &more(&columns), &more(&codes));
+    }
+}
+
 #[test]
 fn an_infinite_coefficient_reaches_only_the_rows_that_have_its_column() {
     struct Rows(Vec<u32>, Vec<u16>, Vec<f32>);

@@ -14,6 +14,9 @@ const AHEAD: usize = 1024;
 /// Eight lanes of ones and eight of zeros: eight lanes from `8 - n` on select the first `n`.
 static SELECT: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];
 
+/// As [`SELECT`], four lanes of 64 bits each.
+static SELECT_PAIRS: [i64; 8] = [-1, -1, -1, -1, 0, 0, 0, 0];
+
 /// Whether this processor has what the kernels here need.
 #[inline]
 pub(super) fn available() -> bool {
@@ -59,6 +62,15 @@ unsafe fn prefetch<I: Column, V: Stored>(columns: &[I], values: V, at: usize) {
     unsafe {
         _mm_prefetch::<_MM_HINT_T1>(columns.as_ptr().wrapping_add(at + AHEAD).cast());
         _mm_prefetch::<_MM_HINT_T1>(values.address(at + AHEAD));
+    }
+}
+
+#[inline(always)]
+unsafe fn prefetch_intervals<I: Column, L: Column>(starts: &[I], lengths: &[L], at: usize) {
+    // SAFETY: a prefetch may name any address.
+    unsafe {
+        _mm_prefetch::<_MM_HINT_T1>(starts.as_ptr().wrapping_add(at + AHEAD).cast());
+        _mm_prefetch::<_MM_HINT_T1>(lengths.as_ptr().wrapping_add(at + AHEAD).cast());
     }
 }
 
@@ -139,6 +151,86 @@ pub(super) unsafe fn sparse_four<I: Column, V: Stored>(
             let y = _mm_add_ps(_mm256_castps256_ps128(both), _mm256_extractf128_ps::<1>(both));
             _mm_storeu_ps(out.as_mut_ptr().add(4 * group.row), y);
             sums = sums.map(|s| _mm256_and_ps(s, group.keep));
+        }
+    }
+}
+
+/// [`super::interval_sums`] for one channel, four intervals at a time, without a branch at the end of a sum.
+///
+/// # Safety
+/// As for [`super::interval_sums`]; four intervals must follow the last end, and [`available`] hold.
+#[target_feature(enable = "avx2,fma,f16c")]
+pub(super) unsafe fn intervals_one<I: Column, L: Column>(
+    ends: &[u32],
+    starts: &[I],
+    lengths: &[L],
+    prefix: &[f64],
+    out: &mut [f64],
+) {
+    let mut sums = [_mm256_setzero_pd(); BLOCK_ROWS];
+    let mut sum = _mm256_setzero_pd();
+    let (mut at, mut group) = (0u32, 0);
+    while group < ends.len() {
+        // SAFETY: group < ends.len() ≤ BLOCK_ROWS; at ≤ the last end, so that four intervals follow; prefix holds their ends.
+        unsafe {
+            let left = ends.get_unchecked(group) - at;
+            let (taken, last) = (left.min(4), left <= 4);
+            let first = at as usize;
+            prefetch_intervals(starts, lengths, first);
+            let (start, length) = (I::four(starts.as_ptr().add(first)), L::four(lengths.as_ptr().add(first)));
+            let p = |at: usize| *prefix.get_unchecked(at);
+            let below = _mm256_setr_pd(p(start[0]), p(start[1]), p(start[2]), p(start[3]));
+            let end = |lane: usize| start[lane] + length[lane];
+            let above = _mm256_setr_pd(p(end(0)), p(end(1)), p(end(2)), p(end(3)));
+            let mine = _mm256_loadu_pd(SELECT_PAIRS.as_ptr().add(4 - taken as usize).cast());
+            sum = _mm256_add_pd(sum, _mm256_and_pd(_mm256_sub_pd(above, below), mine));
+            *sums.get_unchecked_mut(group) = sum;
+            sum = _mm256_and_pd(sum, _mm256_castsi256_pd(_mm256_set1_epi64x(i64::from(last) - 1)));
+            at += taken;
+            group += usize::from(last);
+        }
+    }
+    for (y, &sum) in out.iter_mut().zip(&sums) {
+        let two = _mm_add_pd(_mm256_castpd256_pd128(sum), _mm256_extractf128_pd::<1>(sum));
+        *y = _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
+    }
+}
+
+/// [`super::interval_sums`] for four packed channels, two intervals at a time: `prefix` and `sums` are lights + 1 and groups
+/// times 4.
+///
+/// # Safety
+/// As for [`intervals_one`].
+#[target_feature(enable = "avx2,fma,f16c")]
+pub(super) unsafe fn intervals_four<I: Column, L: Column>(
+    ends: &[u32],
+    starts: &[I],
+    lengths: &[L],
+    prefix: &[f64],
+    sums: &mut [f64],
+) {
+    let mut sum = _mm256_setzero_pd();
+    let (mut at, mut group) = (0u32, 0);
+    while group < ends.len() {
+        // SAFETY: group < ends.len() = sums.len() / 4; at ≤ the last end, so that four intervals follow; prefix holds four
+        // floats at their ends.
+        unsafe {
+            let left = ends.get_unchecked(group) - at;
+            let (taken, last) = (left.min(2), left <= 2);
+            let first = at as usize;
+            prefetch_intervals(starts, lengths, first);
+            let p = |at: usize| _mm256_loadu_pd(prefix.as_ptr().add(4 * at));
+            let difference = |i: usize| {
+                let start = starts.get_unchecked(i).at();
+                _mm256_sub_pd(p(start + lengths.get_unchecked(i).at()), p(start))
+            };
+            let second = _mm256_castsi256_pd(_mm256_set1_epi64x(i64::from(taken < 2) - 1));
+            let pair = _mm256_add_pd(difference(first), _mm256_and_pd(difference(first + 1), second));
+            sum = _mm256_add_pd(sum, pair);
+            _mm256_storeu_pd(sums.as_mut_ptr().add(4 * group), sum);
+            sum = _mm256_and_pd(sum, _mm256_castsi256_pd(_mm256_set1_epi64x(i64::from(last) - 1)));
+            at += taken;
+            group += usize::from(last);
         }
     }
 }

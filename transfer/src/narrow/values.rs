@@ -22,8 +22,16 @@ pub(crate) enum Values {
     Table16 { codes: Vec<u16>, table: Vec<f32> },
 }
 
-const CODES: &str = "weights/values";
-const TABLE: &str = "weights/table";
+/// Names of the sections that stored values appear in.
+#[derive(Clone, Copy)]
+pub(crate) struct ValueSections {
+    /// Where the form and its exponent are written, for messages.
+    pub(crate) header: &'static str,
+    /// One number for each value.
+    pub(crate) codes: &'static str,
+    /// What codes of a table stand for.
+    pub(crate) table: &'static str,
+}
 
 /// Entries that 16-bit codes can name.
 const MAX_TABLE: usize = 1 << 16;
@@ -129,66 +137,72 @@ impl Values {
         }
     }
 
-    pub(crate) fn write(&self, sink: &mut Sink) {
+    pub(crate) fn write(&self, sink: &mut Sink, to: ValueSections) {
         match self {
-            Values::Plain(values) => sink.put(CODES, values),
-            Values::Half { halves, .. } => sink.put(CODES, halves),
-            Values::U8 { codes, .. } => sink.put(CODES, codes),
-            Values::I8 { codes, .. } => sink.put(CODES, codes),
-            Values::U16 { codes, .. } => sink.put(CODES, codes),
-            Values::I16 { codes, .. } => sink.put(CODES, codes),
+            Values::Plain(values) => sink.put(to.codes, values),
+            Values::Half { halves, .. } => sink.put(to.codes, halves),
+            Values::U8 { codes, .. } => sink.put(to.codes, codes),
+            Values::I8 { codes, .. } => sink.put(to.codes, codes),
+            Values::U16 { codes, .. } => sink.put(to.codes, codes),
+            Values::I16 { codes, .. } => sink.put(to.codes, codes),
             Values::Table8 { codes, table } => {
-                sink.put(CODES, codes);
-                sink.put(TABLE, table);
+                sink.put(to.codes, codes);
+                sink.put(to.table, table);
             }
             Values::Table16 { codes, table } => {
-                sink.put(CODES, codes);
-                sink.put(TABLE, table);
+                sink.put(to.codes, codes);
+                sink.put(to.table, table);
             }
         }
     }
 
     /// The `count` values of a form that the header names.
-    pub(crate) fn read(source: &mut Source, kind: i32, exponent: i32, count: usize) -> Result<Values> {
-        let header = |expected: &str, found: i32| broken("header/layout", expected, found.to_string());
+    pub(crate) fn read(
+        source: &mut Source,
+        from: ValueSections,
+        kind: i32,
+        exponent: i32,
+        count: usize,
+    ) -> Result<Values> {
+        let header = |expected: &str, found: i32| broken(from.header, expected, found.to_string());
         let scaled = matches!(kind, 1..=5);
         if !(-149..=127).contains(&exponent) || (!scaled && exponent != 0) {
             return Err(header("an exponent from -149 to 127, 0 without a scale", exponent));
         }
         let scale = power_of_two(exponent);
         let values = match kind {
-            0 => Values::Plain(source.take_exact(CODES, count)?),
-            1 => Values::Half { halves: source.take_exact(CODES, count)?, scale },
-            2 => Values::U8 { codes: source.take_exact(CODES, count)?, scale },
-            3 => Values::I8 { codes: source.take_exact(CODES, count)?, scale },
-            4 => Values::U16 { codes: source.take_exact(CODES, count)?, scale },
-            5 => Values::I16 { codes: source.take_exact(CODES, count)?, scale },
+            0 => Values::Plain(source.take_exact(from.codes, count)?),
+            1 => Values::Half { halves: source.take_exact(from.codes, count)?, scale },
+            2 => Values::U8 { codes: source.take_exact(from.codes, count)?, scale },
+            3 => Values::I8 { codes: source.take_exact(from.codes, count)?, scale },
+            4 => Values::U16 { codes: source.take_exact(from.codes, count)?, scale },
+            5 => Values::I16 { codes: source.take_exact(from.codes, count)?, scale },
             6 => {
-                let (codes, table) = read_table::<u8>(source, count)?;
+                let (codes, table) = read_table::<u8>(source, from, count)?;
                 Values::Table8 { codes, table }
             }
             7 => {
-                let (codes, table) = read_table::<u16>(source, count)?;
+                let (codes, table) = read_table::<u16>(source, from, count)?;
                 Values::Table16 { codes, table }
             }
             _ => return Err(header("a form of values from 0 to 7", kind)),
         };
         match (0..count).into_par_iter().position_first(|i| !values.at(i).is_finite()) {
-            Some(i) => Err(broken(CODES, "finite numbers", format!("{} at position {i}", values.at(i)))),
+            Some(i) => Err(broken(from.codes, "finite numbers", format!("{} at position {i}", values.at(i)))),
             None => Ok(values),
         }
     }
 }
 
-fn read_table<T: Pod + Column>(source: &mut Source, count: usize) -> Result<(Vec<T>, Vec<f32>)> {
-    let codes: Vec<T> = source.take_exact(CODES, count)?;
-    let table: Vec<f32> = source.take(TABLE)?;
+fn read_table<T: Pod + Column>(source: &mut Source, from: ValueSections, count: usize) -> Result<(Vec<T>, Vec<f32>)> {
+    let codes: Vec<T> = source.take_exact(from.codes, count)?;
+    let table: Vec<f32> = source.take(from.table)?;
     match codes.iter().position(|c| c.at() >= table.len()) {
         Some(i) => {
             let found = format!("{} at position {i}", codes[i].at());
-            Err(broken(CODES, format!("codes below {}, the entries of {TABLE}", table.len()), found))
+            Err(broken(from.codes, format!("codes below {}, the entries of {}", table.len(), from.table), found))
         }
-        None if table.iter().any(|v| !v.is_finite()) => Err(broken(TABLE, "finite numbers", "another")),
+        None if table.iter().any(|v| !v.is_finite()) => Err(broken(from.table, "finite numbers", "another")),
         None => Ok((codes, table)),
     }
 }

@@ -84,13 +84,13 @@ impl Whole {
         each_width!(self, numbers => sink.put(name, numbers));
     }
 
-    /// The numbers of a section, however many, of a width that the header names.
-    pub(crate) fn read(source: &mut Source, name: &str, width: i32) -> Result<Whole> {
+    /// The numbers of a section, however many, of a width that the section `header` tells.
+    pub(crate) fn read(source: &mut Source, name: &str, header: &str, width: i32) -> Result<Whole> {
         Ok(match width {
             1 => Whole::U8(source.take(name)?),
             2 => Whole::U16(source.take(name)?),
             4 => Whole::U32(source.take(name)?),
-            _ => return Err(broken("header/layout", format!("1, 2 or 4 bytes for {name}"), width.to_string())),
+            _ => return Err(broken(header, format!("1, 2 or 4 bytes for {name}"), width.to_string())),
         })
     }
 }
