@@ -78,13 +78,13 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
         threads,
         out: &out,
         results: Results::open(out.join("results.csv"))?,
-        bar: progress::hidden((suite.origins.len() * suite.methods.len()) as u64),
+        bar: progress::hidden(suite.origins.iter().map(|o| suite.methods_on(o).len() as u64).sum()),
         began: Instant::now(),
     };
     run.bar.enable_steady_tick(Duration::from_millis(200));
     let mut groups = Vec::new();
     for origin in &suite.origins {
-        let group = run.group(origin, &suite.methods)?;
+        let group = run.group(origin, &suite.methods_on(origin))?;
         if !arguments.json {
             run.bar.suspend(|| terminal::say(table::of(&group)))?;
         }

@@ -150,7 +150,9 @@ fn unknown_names_and_values_are_refused_by_name() {
 #[test]
 fn exact_codecs_give_back_every_element() {
     for_every_method(|_, label, case, compressed| {
-        if ["dense", "csr", "compact"].contains(&label.codec.name.as_str()) && label.transform.name == "identity" {
+        if ["dense", "csr", "compact", "runs", "visibility"].contains(&label.codec.name.as_str())
+            && label.transform.name == "identity"
+        {
             assert_eq!(decoded(compressed), elements(&case.matrix), "{label} on {}", case.name);
         }
     });
@@ -187,7 +189,7 @@ fn flops_equal_the_closed_formula() {
         let stored = if sections("index/") { case.matrix.non_zeros() } else { shape.rows() * shape.lights };
         let products = match label.codec.name.as_str() {
             "dense" => shape.rows() * shape.lights,
-            "csr" => case.matrix.non_zeros(),
+            "csr" | "visibility" => case.matrix.non_zeros(),
             "compact" | "f16" => stored,
             // One product for every element that is kept: what decodes to a non-zero.
             "truncate" => decoded(compressed).iter().filter(|v| **v != 0.0).count(),
