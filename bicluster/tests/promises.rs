@@ -193,12 +193,12 @@ fn a_file_gives_back_the_same_arrays() {
     // Windows on the first lights, all values different on the last.
     let row = |r: usize, noise: &mut dyn FnMut() -> f32| -> Vec<f32> {
         let start = r * 7 % 88;
-        let inside = |k: usize| if r % 3 == 0 { k >= 100 } else { (start..start + 12).contains(&k) };
+        let inside = |k: usize| if r.is_multiple_of(3) { k >= 100 } else { (start..start + 12).contains(&k) };
         (0..120)
             .map(|k| {
                 if !inside(k) {
                     0.0
-                } else if r % 3 == 0 {
+                } else if r.is_multiple_of(3) {
                     noise()
                 } else {
                     1.0

@@ -72,11 +72,11 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
         measure: Measure { registry: &registry, pools: &pools, budget: Budget::of(suite.budget) },
         out: &out,
         results: Results::open(out.join("results.csv"))?,
-        steps: Steps::new(suite.origins.len() * suite.methods.len()),
+        steps: Steps::new(suite.origins.iter().map(|o| suite.methods_on(o).len()).sum()),
     };
     let mut groups = Vec::new();
     for origin in &suite.origins {
-        let group = run.group(origin, &suite.methods)?;
+        let group = run.group(origin, &suite.methods_on(origin))?;
         if !arguments.json {
             run.steps.suspend(|| terminal::say(table::of(&group)))?;
         }

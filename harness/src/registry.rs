@@ -8,6 +8,7 @@ use prt_transfer::f16::F16;
 use prt_transfer::runs::Runs;
 use prt_transfer::sh::Sh;
 use prt_transfer::transform::Identity;
+use prt_transfer::visibility::Visibility;
 use prt_transfer::{Label, Method, Registry, Result};
 use prt_wavelet::{Haar, Truncate};
 
@@ -21,6 +22,7 @@ pub fn registry() -> Registry {
         .codec::<Csr>()
         .codec::<Compact>()
         .codec::<Runs>()
+        .codec::<Visibility>()
         .codec::<F16>()
         .codec::<Truncate>()
         .codec::<Bicluster>()

@@ -39,6 +39,8 @@ pub struct Suite {
     pub origins: Vec<Origin>,
     /// Labels.
     pub methods: Vec<String>,
+    /// Labels beside them for matrices whose signal is `biscale`.
+    pub biscale_methods: Vec<String>,
     /// Time for each of the four relighting figures of a row.
     pub budget: Duration,
 }
@@ -50,8 +52,14 @@ const FULL_SCENES: [&str; 7] = ["teapot", "cornell-box", "two-polygons", "temple
 
 /// The rivals that a reader will think of, exact and not.
 const RIVALS: [&str; 5] = ["dense", "csr", "compact", "runs", "f16"];
-const QUICK_METHODS: [&str; 3] = ["haar+truncate:terms=16", "haar+truncate:terms=64", "sh:order=5+dense"];
-const METHODS: [&str; 9] = [
+/// Archives of visibility, which know no other signal.
+const BISCALE_METHODS: [&str; 1] = ["visibility"];
+const QUICK_METHODS: [&str; 4] = ["bicluster", "haar+truncate:terms=16", "haar+truncate:terms=64", "sh:order=5+dense"];
+const METHODS: [&str; 13] = [
+    "bicluster",
+    "bicluster:objective=flops",
+    "bicluster:levels=1",
+    "bicluster:max_error=0.01",
     "truncate:terms=64",
     "haar+truncate:terms=16",
     "haar+truncate:terms=32",
@@ -62,7 +70,9 @@ const METHODS: [&str; 9] = [
     "sh:order=5+dense",
     "sh:order=8+dense",
 ];
-const FULL_METHODS: [&str; 7] = [
+const FULL_METHODS: [&str; 9] = [
+    "bicluster:levels=2",
+    "bicluster:levels=1:seeds=random",
     "truncate:terms=16",
     "truncate:terms=256",
     "haar+csr",
@@ -86,8 +96,18 @@ impl Suite {
         let scenes = if scenes.is_empty() { owned(usual) } else { scenes.to_vec() };
         let basis = LightBasis::Cubemap { resolution };
         let origins = scenes.iter().flat_map(|scene| origins(scene, vertices, &basis)).collect();
-        let methods = if methods.is_empty() { usual_methods(size) } else { methods.to_vec() };
-        Suite { origins, methods, budget: Duration::from_millis(budget) }
+        let budget = Duration::from_millis(budget);
+        if !methods.is_empty() {
+            return Suite { origins, methods: methods.to_vec(), biscale_methods: Vec::new(), budget };
+        }
+        Suite { origins, methods: usual_methods(size), biscale_methods: owned(&BISCALE_METHODS), budget }
+    }
+
+    /// What is measured on one matrix.
+    pub fn methods_on(&self, origin: &Origin) -> Vec<String> {
+        let biscale = matches!(origin, Origin::Scene { spec, .. } if spec.signal == Signal::Biscale);
+        let more = if biscale { &self.biscale_methods[..] } else { &[] };
+        [&self.methods[..], more].concat()
     }
 }
 
@@ -129,7 +149,8 @@ mod tests {
     #[test]
     fn every_label_of_every_suite_is_in_its_shortest_form_and_there_once() {
         for size in [Size::Quick, Size::Standard, Size::Full] {
-            let methods = Suite::new(size, &[], &[]).methods;
+            let suite = Suite::new(size, &[], &[]);
+            let methods = [&suite.methods[..], &suite.biscale_methods[..]].concat();
             for (i, method) in methods.iter().enumerate() {
                 assert_eq!(&method.parse::<Label>().unwrap().to_string(), method);
                 assert!(!methods[..i].contains(method), "{method}");
@@ -139,9 +160,17 @@ mod tests {
     }
 
     #[test]
+    fn visibility_is_measured_on_biscale_alone() {
+        let suite = Suite::new(Size::Quick, &[], &[]);
+        let on = suite.origins.iter().map(|o| suite.methods_on(o).iter().any(|m| m == "visibility"));
+        assert_eq!(on.collect::<Vec<_>>(), [true, false], "biscale, diffuse");
+    }
+
+    #[test]
     fn a_scene_of_the_user_replaces_the_usual_ones_and_a_matrix_needs_no_signal() {
         let suite = Suite::new(Size::Quick, &["bunny.ply".into(), "T.NPZ".into()], &["csr".into()]);
-        assert_eq!((suite.origins.len(), suite.methods), (3, vec!["csr".to_string()]));
+        assert!(suite.origins.iter().all(|origin| suite.methods_on(origin) == ["csr"]));
+        assert_eq!(suite.origins.len(), 3);
         assert_eq!(suite.origins[2], Origin::Matrix("T.NPZ".into()));
         let Origin::Scene { vertices: None, .. } = &suite.origins[0] else { panic!("a mesh keeps its vertices") };
     }

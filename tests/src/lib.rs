@@ -1,6 +1,7 @@
 //! What the laws in `tests/` are checked on: small matrices of every kind, every registered method in several settings.
 
 use ndarray::Array2;
+use prt_transfer::hemisphere::local_directions;
 use prt_transfer::{Compressed, Label, LightBasis, Method, Quiet, Registry, Result, TransferMatrix};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -57,8 +58,32 @@ pub fn cases() -> Vec<Case> {
         11 => 0.25 + (r % 7) as f32,
         _ => 0.0,
     }));
+    cases.push(Case { name: "turned hemispheres", matrix: turned_hemispheres(20, 3) });
     cases.extend(cases.iter().map(|c| Case { name: c.name, matrix: sparse(&c.matrix) }).collect::<Vec<_>>());
     cases
+}
+
+/// What points without neighbours but in frames of their own see of the cubemap: each texel in the row of the local direction nearest
+/// to its centre, `edge`² rows a sample, the part of it that lies before a wall in quarters.
+fn turned_hemispheres(samples: usize, edge: usize) -> TransferMatrix {
+    let (directions, centres) = (local_directions(edge), BASIS.directions().expect("texels have directions"));
+    let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut values = vec![0f32; samples * edge * edge * BASIS.lights()];
+    for sample in 0..samples {
+        // A turn about z, then one about x.
+        let ((s, c), (t, d)) = ((0.7 * sample as f64).sin_cos(), (1.1 * sample as f64).sin_cos());
+        let axes = [[c, s, 0.0], [-s * d, c * d, t], [s * t, -c * t, d]];
+        for (texel, &centre) in centres.iter().enumerate() {
+            let local = axes.map(|axis| dot(axis, centre));
+            let cosine = |d: &[f32; 3]| dot(d.map(f64::from), local);
+            let nearest = (0..edge * edge).max_by(|&a, &b| cosine(&directions[a]).total_cmp(&cosine(&directions[b])));
+            if local[2] > 0.0 && local[0] < 0.5 {
+                let row = sample * edge * edge + nearest.expect("there are directions");
+                values[row * BASIS.lights() + texel] = if local[0] > 0.3 { 0.25 } else { 1.0 };
+            }
+        }
+    }
+    TransferMatrix::from_dense(values, samples * edge * edge, edge * edge, BASIS).expect("a case is valid")
 }
 
 /// The same elements in compressed rows.
@@ -161,12 +186,17 @@ pub fn encode(registry: &Registry, label: &Label, matrix: &TransferMatrix) -> Re
     registry.method(label)?.encode(matrix, &Quiet)
 }
 
-/// As [`encode`]; `None` where the method refuses the basis of the case, which is the only refusal that the laws accept.
+/// As [`encode`]; `None` where the method refuses the basis of the case, or `visibility` one of another structure: no other
+/// refusals are accepted by the laws.
 pub fn encode_where_defined(registry: &Registry, label: &Label, case: &Case) -> Option<(Method, Compressed)> {
     let method = registry.method(label).unwrap_or_else(|e| panic!("{label}: {e}"));
     match method.encode(&case.matrix, &Quiet) {
         Ok(compressed) => Some((method, compressed)),
-        Err(prt_transfer::Error::Unsupported { what, .. }) if what.starts_with("light basis") => None,
+        Err(prt_transfer::Error::Unsupported { what, .. })
+            if what.starts_with("light basis") || what.starts_with("visibility: ") =>
+        {
+            None
+        }
         Err(e) => panic!("{label} on {}: {e}", case.name),
     }
 }

@@ -150,7 +150,7 @@ fn unknown_names_and_values_are_refused_by_name() {
 /// Whether every element must come back as it was.
 fn is_exact(label: &Label) -> bool {
     let lossy = label.codec.params.iter().any(|(name, _)| name == "max_error");
-    let exact = ["dense", "csr", "compact", "runs", "bicluster"].contains(&label.codec.name.as_str());
+    let exact = ["dense", "csr", "compact", "runs", "visibility", "bicluster"].contains(&label.codec.name.as_str());
     exact && !lossy && label.transform.name == "identity"
 }
 
@@ -198,7 +198,7 @@ fn flops_equal_the_closed_formula() {
         let stored = if sections("index/") { case.matrix.non_zeros() } else { shape.rows() * shape.lights };
         let products = match label.codec.name.as_str() {
             "dense" => shape.rows() * shape.lights,
-            "csr" => case.matrix.non_zeros(),
+            "csr" | "visibility" => case.matrix.non_zeros(),
             "compact" | "f16" => stored,
             // Left to the layout of `compact`, after what max_error dropped.
             "bicluster" if sections("index/") => decoded(compressed).iter().filter(|v| **v != 0.0).count(),

@@ -8,7 +8,7 @@
 //!
 //! | feature | adds |
 //! | --- | --- |
-//! | (none) | the vocabulary, and the exact codecs [`dense`], [`csr`], [`compact`], [`runs`] and half precision [`f16`](mod@f16) |
+//! | (none) | the vocabulary, and the exact codecs [`dense`], [`csr`], [`compact`], [`runs`], [`visibility`] and half precision [`f16`](mod@f16) |
 //! | `io` | files: `.prt`, `.npz`, `.npy`, `.mtx`, `.ply`, `.obj`, `.exr`, `.hdr` |
 //! | `scene` | meshes, built-in scenes and lights, visibility, the signals `biscale` and `diffuse` |
 
@@ -20,6 +20,7 @@ pub mod dense;
 pub mod error;
 pub mod f16;
 pub mod flops;
+pub mod hemisphere;
 #[cfg(any(feature = "io", feature = "scene"))]
 pub mod image;
 #[cfg(feature = "io")]
@@ -39,6 +40,7 @@ pub mod scene;
 pub mod sections;
 pub mod sh;
 pub mod transform;
+pub mod visibility;
 
 pub use basis::LightBasis;
 pub use codec::{Codec, Configure, Encoded, Restore};

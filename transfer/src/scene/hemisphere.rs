@@ -1,26 +1,9 @@
-//! Local directions of the hemisphere: cells of equal solid angle, and which of them is nearest to any direction.
+//! Which of the [local directions](crate::hemisphere) is nearest to any direction.
 
 use crate::error::{Error, Result};
+use crate::hemisphere::{self, equal_area_hemisphere};
 use glam::Vec3;
-use std::f32::consts::{FRAC_PI_4, SQRT_2};
-
-/// The concentric map of Shirley and Chiu (1997) from the square [-1, 1]² to the unit disk; it keeps areas.
-pub fn concentric_disk(u: f32, v: f32) -> (f32, f32) {
-    let (radius, angle) = match (u, v) {
-        (0.0, 0.0) => return (0.0, 0.0),
-        _ if u.abs() > v.abs() => (u, FRAC_PI_4 * v / u),
-        _ => (v, 2.0 * FRAC_PI_4 - FRAC_PI_4 * u / v),
-    };
-    (radius * angle.cos(), radius * angle.sin())
-}
-
-/// The unit direction above the disk point `(x, y)` of the Lambert equal-area projection: the disk is the hemisphere z ≥ 0.
-pub fn equal_area_hemisphere(x: f32, y: f32) -> Vec3 {
-    // With r² = x² + y², z = 1 - r² makes dω = 2 dA, the same everywhere.
-    let r2 = x * x + y * y;
-    let scale = (2.0 - r2).max(0.0).sqrt();
-    Vec3::new(x * scale, y * scale, 1.0 - r2)
-}
+use std::f32::consts::SQRT_2;
 
 /// `edge`² directions at the centres of equal-area cells, index `row * edge + column` of the concentric square.
 pub struct LocalDirections {
@@ -35,7 +18,7 @@ const BINS: usize = 128;
 
 impl LocalDirections {
     /// Most cells along an edge.
-    pub const MAX_EDGE: usize = 64;
+    pub const MAX_EDGE: usize = hemisphere::MAX_EDGE;
 
     /// `edge`² cells, `edge` from 1 to [`LocalDirections::MAX_EDGE`].
     pub fn new(edge: usize) -> Result<LocalDirections> {
@@ -47,11 +30,7 @@ impl LocalDirections {
                 expected: format!("from 1 to {}", Self::MAX_EDGE),
             });
         }
-        let centre = |i: usize| (2 * i + 1) as f32 / edge as f32 - 1.0;
-        let directions: Vec<Vec3> = (0..edge * edge)
-            .map(|k| concentric_disk(centre(k % edge), centre(k / edge)))
-            .map(|(x, y)| equal_area_hemisphere(x, y))
-            .collect();
+        let directions: Vec<Vec3> = hemisphere::local_directions(edge).into_iter().map(Vec3::from_array).collect();
         let (mut bins, mut candidates) = (Vec::with_capacity(BINS * BINS), Vec::new());
         for bin in 0..BINS * BINS {
             let first = candidates.len() as u32;
@@ -100,7 +79,7 @@ fn nearest_in_bin(directions: &[Vec3], column: usize, row: usize) -> Vec<u16> {
     if radius > 1.0 {
         (x, y) = (x / radius, y / radius);
     }
-    let centre = equal_area_hemisphere(x, y);
+    let centre = Vec3::from_array(equal_area_hemisphere(x, y));
     // The map stretches lengths by at most 2 towards the horizon (dθ/dr = 2/sqrt(2 - r²)), so that no direction of the bin is
     // further than this from its centre.
     let reach = 2.0 * (SQRT_2 / BINS as f32 + outside);
@@ -113,6 +92,7 @@ fn nearest_in_bin(directions: &[Vec3], column: usize, row: usize) -> Vec<u16> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hemisphere::concentric_disk;
     use proptest::prelude::*;
 
     #[test]
@@ -122,7 +102,7 @@ mod tests {
         let mut moments = [0f64; 4];
         for k in 0..fine * fine {
             let (x, y) = concentric_disk(centre(k % fine), centre(k / fine));
-            let d = equal_area_hemisphere(x, y);
+            let d = Vec3::from_array(equal_area_hemisphere(x, y));
             assert!((d.length() - 1.0).abs() < 1e-5);
             let [x, y, z] = d.to_array().map(f64::from);
             moments.iter_mut().zip([z, z * z, x * x, x * y]).for_each(|(m, v)| *m += v / (fine * fine) as f64);
