@@ -107,13 +107,16 @@ fn apply<const N: usize>(sums: &Sums, lights: ArrayView2<f32>, out: ArrayViewMut
 
 impl Sums {
     fn row_into(&self, row: usize, out: &mut [f32]) {
-        out.fill(0.0);
-        let Some(product) = self.slots[row].checked_sub(1) else { return };
-        if let Some(rest) = &self.rest {
-            rest.row_into(product as usize, out);
+        let mut sums = vec![0f64; out.len()];
+        if let Some(product) = self.slots[row].checked_sub(1) {
+            if let Some(rest) = &self.rest {
+                rest.row_into(product as usize, out);
+                sums.iter_mut().zip(&*out).for_each(|(sum, &value)| *sum = value.into());
+            }
+            // Residuals are such that f64 holds every partial sum, so that what adds up here is the element itself.
+            self.expand(product as usize, &mut |(column, value)| sums[column as usize] += f64::from(value));
         }
-        // Residuals of a bicluster are exact differences, so that what adds up here is the element itself.
-        self.expand(product as usize, &mut |(column, value)| out[column as usize] += value);
+        out.iter_mut().zip(sums).for_each(|(value, sum)| *value = sum as f32);
     }
 }
 

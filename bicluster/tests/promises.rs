@@ -62,6 +62,7 @@ fn matrices() -> impl Strategy<Value = (Vec<Vec<f32>>, usize)> {
                     0 => 0.0,
                     1 => VALUES[k % VALUES.len()],
                     2 => k as f32 + 0.1,
+                    4 => 0.001 * (k % 5 + 1) as f32,
                     _ => 1.0,
                 };
                 row[k % lights] = value;

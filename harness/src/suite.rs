@@ -55,9 +55,8 @@ const RIVALS: [&str; 5] = ["dense", "csr", "compact", "runs", "f16"];
 /// Archives of visibility, which know no other signal.
 const BISCALE_METHODS: [&str; 1] = ["visibility"];
 const QUICK_METHODS: [&str; 4] = ["bicluster", "haar+truncate:terms=16", "haar+truncate:terms=64", "sh:order=5+dense"];
-const METHODS: [&str; 13] = [
+const METHODS: [&str; 12] = [
     "bicluster",
-    "bicluster:objective=flops",
     "bicluster:levels=1",
     "bicluster:max_error=0.01",
     "truncate:terms=64",
@@ -70,7 +69,8 @@ const METHODS: [&str; 13] = [
     "sh:order=5+dense",
     "sh:order=8+dense",
 ];
-const FULL_METHODS: [&str; 9] = [
+const FULL_METHODS: [&str; 10] = [
+    "bicluster:objective=flops",
     "bicluster:levels=2",
     "bicluster:levels=1:seeds=random",
     "truncate:terms=16",
@@ -90,7 +90,7 @@ impl Suite {
     pub fn new(size: Size, scenes: &[String], methods: &[String]) -> Suite {
         let (usual, vertices, resolution, budget) = match size {
             Size::Quick => (&QUICK_SCENES[..], 150, 16, 40),
-            Size::Standard => (&SCENES[..], 800, 32, 120),
+            Size::Standard => (&SCENES[..], 600, 32, 120),
             Size::Full => (&FULL_SCENES[..], 3000, 32, 500),
         };
         let scenes = if scenes.is_empty() { owned(usual) } else { scenes.to_vec() };
