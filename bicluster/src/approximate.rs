@@ -3,12 +3,13 @@
 //!
 //! Two things break the sums that rows could share. An element of a rare value is a symbol of its own: in the order of its
 //! error each is rounded to 0 or to the value that its column mostly has in its block, the paper's t_k. A term of few leaves
-//! costs a row as much as one of many: in the order of their energy, terms are dropped from rows. Every change saves about
-//! one term, so that the order is that of the saving per unit of error.
+//! costs a row as much as one of many: with what is left of the budget, terms are dropped from rows in the order of their energy.
+//! Every change of a kind saves about as much as any other, so that the order is that of the saving per unit of error.
 
 use crate::distinct::Distinct;
 use crate::lay_out::{partition, rows, with_rows};
 use crate::pairs;
+use crate::params::Objective;
 use crate::symbols::{Leaf, Symbols};
 use prt_transfer::{Progress, Result, TransferMatrix};
 use rayon::prelude::*;
@@ -16,6 +17,8 @@ use std::collections::HashMap;
 
 /// Part of the budget that is left for rounding in the sums of squares.
 const SLACK: f64 = 1e-9;
+/// How often a budget for dropping terms is tried.
+const RETRIES: usize = 4;
 
 /// A distinct row of the matrix and its elements.
 type Rows = Vec<(u32, Vec<Leaf>)>;
@@ -32,12 +35,25 @@ struct Change {
 }
 
 /// A matrix whose squared error, relative to that of `matrix`, is at most `bound`.
-pub(crate) fn approximate(matrix: &TransferMatrix, bound: f64, progress: &dyn Progress) -> Result<TransferMatrix> {
+pub(crate) fn approximate(
+    matrix: &TransferMatrix,
+    bound: f64,
+    objective: Objective,
+    progress: &dyn Progress,
+) -> Result<TransferMatrix> {
     let budget = bound * (1.0 - SLACK) * energy(matrix);
     let (rounded, spent) = round(matrix, budget, progress)?;
-    let dropped = drop_terms(&rounded, budget - spent, progress)?;
-    // An element that was rounded and then dropped may weigh more than both together.
-    Ok(if squared_error(matrix, &dropped) <= budget { dropped } else { rounded })
+    // An element that was rounded and then dropped may weigh more than both together: then less may be dropped.
+    let mut left = budget - spent;
+    for _ in 0..RETRIES {
+        let dropped = drop_terms(&rounded, left, objective, progress)?;
+        let error = squared_error(matrix, &dropped);
+        if error <= budget {
+            return Ok(dropped);
+        }
+        left = (left - 2.0 * (error - budget)).max(0.5 * left);
+    }
+    Ok(rounded)
 }
 
 fn energy(matrix: &TransferMatrix) -> f64 {
@@ -130,15 +146,20 @@ fn cheapest(mut changes: Vec<Change>, budget: f64) -> (Vec<Change>, f64) {
 }
 
 /// Drops terms of little energy from rows.
-fn drop_terms(matrix: &TransferMatrix, budget: f64, progress: &dyn Progress) -> Result<TransferMatrix> {
+fn drop_terms(
+    matrix: &TransferMatrix,
+    budget: f64,
+    objective: Objective,
+    progress: &dyn Progress,
+) -> Result<TransferMatrix> {
     let (distinct, _, kinds) = partition(matrix, progress)?;
     let times = multiplicities(&distinct);
     progress.start("approximate", distinct.first.len() as u64);
     let searched: Vec<(Vec<u32>, Terms)> = kinds
         .into_par_iter()
         .map(|kinds| {
+            let terms = Terms::of(&rows(matrix, &distinct, &kinds), objective);
             progress.advance(kinds.len() as u64)?;
-            let terms = Terms::of(&rows(matrix, &distinct, &kinds));
             Ok((kinds, terms))
         })
         .collect::<Result<_>>()?;
@@ -179,9 +200,9 @@ struct Terms {
 }
 
 impl Terms {
-    fn of(rows: &[Vec<Leaf>]) -> Terms {
+    fn of(rows: &[Vec<Leaf>], objective: Objective) -> Terms {
         let Symbols { leaves, mut rows, left } = Symbols::of(rows, 0);
-        let pairs = pairs::merge(&mut rows, leaves.len(), 2);
+        let pairs = pairs::merge(&mut rows, leaves.len(), objective.least_rows());
         let mut energy: Vec<f64> = leaves.iter().map(|&(_, v)| f64::from(v).powi(2)).collect();
         for pair in &pairs {
             energy.push(pair.iter().map(|&s| energy[usize::from(s)]).sum());

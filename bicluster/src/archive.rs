@@ -17,15 +17,9 @@ use rayon::prelude::*;
 /// The number of pairs of a block where nothing is shared.
 const PLAIN: u32 = u32::MAX;
 
-/// Writes the short form; `false`, and nothing written, where there is none.
-pub(crate) fn write(sums: &Sums, sink: &mut Sink) -> bool {
-    if sums.regions.is_empty() {
-        return false;
-    }
+/// Writes the short form. There is one where the sums know the regions of their blocks.
+pub(crate) fn write(sums: &Sums, sink: &mut Sink) {
     let listing = Listing::of(sums.shape, |row, out| sums.elements(row, out));
-    if !listing.is_readable() {
-        return false;
-    }
     sink.put("index/regions", &sums.regions);
     let pairs = |block: &[u32; 3]| if block[0] == 0 { PLAIN } else { block[1] };
     sink.put("index/pairs", &sums.blocks.iter().map(pairs).collect::<Vec<_>>());
@@ -37,7 +31,6 @@ pub(crate) fn write(sums: &Sums, sink: &mut Sink) -> bool {
     planes::put(sink, "index/first", &first, u16::MAX.into());
     planes::put(sink, "index/second", &second, u16::MAX.into());
     listing.write(sums.shape.lights, sink);
-    true
 }
 
 /// Reads what [`write`] wrote.

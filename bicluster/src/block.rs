@@ -3,6 +3,7 @@
 use crate::pairs::{self, Pair};
 use crate::params::Objective;
 use crate::symbols::{Leaf, Symbols};
+use std::collections::BTreeSet;
 
 /// What became of a block.
 pub(crate) struct Block {
@@ -28,12 +29,7 @@ impl Block {
     /// Finds shared sums of any depth.
     pub(crate) fn search(kinds: Vec<u32>, rows: Vec<Vec<Leaf>>, objective: Objective, bytes_per_element: f64) -> Block {
         let Symbols { leaves, rows: mut terms, left } = Symbols::of(&rows, 0);
-        // A pair takes two indices and saves one in every row.
-        let least = match objective {
-            Objective::Flops => 2,
-            Objective::Bytes => 3,
-        };
-        let pairs = pairs::merge(&mut terms, leaves.len(), least);
+        let pairs = pairs::merge(&mut terms, leaves.len(), objective.least_rows());
         Block::new(kinds, rows, code(leaves, pairs, terms), left, bytes_per_element)
     }
 
@@ -82,8 +78,12 @@ impl Code {
     fn indices(&self) -> usize {
         self.leaves.len() + self.sums.iter().chain(&self.rows).map(Vec::len).sum::<usize>()
     }
-    /// Memory: two bytes for an index, and four for each row's place.
+    /// Memory: two bytes for an index, eight for each run of leaves and for each group of rows with as many terms, twelve for
+    /// the block, two for the terms of a sum that has not two.
     fn bytes(&self) -> usize {
-        2 * self.indices() + 4 * self.rows.len()
+        let runs = self.leaves.chunk_by(|a, b| a.1 == b.1).count();
+        let groups: BTreeSet<usize> = self.rows.iter().map(Vec::len).collect();
+        let arities = if self.sums.iter().all(|s| s.len() == 2) { 0 } else { 2 * self.sums.len() };
+        2 * self.indices() + 8 * (runs + groups.len()) + 12 + arities
     }
 }

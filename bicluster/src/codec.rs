@@ -5,6 +5,7 @@ use crate::block::Block;
 use crate::encoded::EncodedBicluster;
 use crate::growth::Options;
 use crate::lay_out::{compact, lay_out, partition, rows};
+use crate::listing::can_list;
 use crate::params::{BiclusterParams, Levels, Seeds};
 use prt_transfer::params::Value;
 use prt_transfer::{Codec, Configure, Encoded, Error, Params, Progress, Result, Sink, TransferMatrix};
@@ -43,7 +44,9 @@ impl Codec for Bicluster {
             return Err(Error::TooLarge { what: "rows to bicluster".into(), limit, found: matrix.rows() as u64 });
         }
         match self.0.max_error {
-            Some(bound) if bound > 0.0 => self.exact(&approximate(matrix, bound, progress)?, progress),
+            Some(bound) if bound > 0.0 => {
+                self.exact(&approximate(matrix, bound, self.0.objective, progress)?, progress)
+            }
             _ => self.exact(matrix, progress),
         }
     }
@@ -59,21 +62,23 @@ impl Bicluster {
         let (distinct, regions, kinds) = partition(matrix, progress)?;
         progress.start("bicluster", distinct.first.len() as u64);
         let blocks = kinds.into_par_iter().map(|kinds| {
-            let rows = rows(matrix, &distinct, &kinds);
-            progress.advance(kinds.len() as u64)?;
-            Ok(match levels {
+            let (count, rows) = (kinds.len() as u64, rows(matrix, &distinct, &kinds));
+            let block = match levels {
                 Levels::All => Block::search(kinds, rows, objective, bytes_per_element),
                 _ => Block::grow(kinds, rows, &options, levels == Levels::Two, bytes_per_element),
-            })
+            };
+            progress.advance(count)?;
+            Ok(block)
         });
         let blocks: Vec<Block> = blocks.collect::<Result<_>>()?;
         // Only pairs can be found again from rows and regions.
-        let regions = if levels == Levels::All { regions } else { Vec::new() };
+        let archived = levels == Levels::All && can_list(matrix);
+        let regions = if archived { regions } else { Vec::new() };
         let sums = lay_out(matrix, &distinct, &blocks, regions)?;
-        let smaller = sums.bytes() < bytes;
+        let keeps = sums.check().is_ok() && sums.bytes() < bytes;
         let (sums, compact) = (EncodedBicluster::of_sums(sums), EncodedBicluster::of_compact(compact));
         let operations = |encoded: &EncodedBicluster| encoded.flops(&vec![0.0; matrix.lights()]).total();
-        Ok(if smaller && operations(&sums) <= operations(&compact) { sums } else { compact })
+        Ok(if keeps && operations(&sums) <= operations(&compact) { sums } else { compact })
     }
 }
 

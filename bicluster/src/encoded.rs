@@ -8,6 +8,7 @@ use ndarray::{ArrayView2, ArrayViewMut2, s};
 use prt_transfer::compact::EncodedCompact;
 use prt_transfer::matrix::check_apply;
 use prt_transfer::{Encoded, Flops, Restore, Result, Shape, Sink, Source, Tally};
+use rayon::prelude::*;
 
 /// Sums that rows share, or where they do not pay the matrix in narrow widths. Relighting multiplies once for each leaf of a block whose value is not 1, and adds
 /// n - 1 times for each sum and each distinct row of n terms. Where there are elements that no sum covers, they take a
@@ -42,6 +43,10 @@ impl Encoded for EncodedBicluster {
             Form::Sums(sums) => sums,
         };
         check_apply(sums.shape, &lights, &out)?;
+        if !sums.adds_only() && lights.iter().any(|x| !x.is_finite()) {
+            sums.apply_rows(lights, out);
+            return Ok(());
+        }
         for first in (0..lights.ncols()).step_by(4) {
             let channels = s![.., first..lights.ncols().min(first + 4)];
             let (lights, out) = (lights.slice(channels), out.slice_mut(channels));
@@ -84,18 +89,15 @@ impl Encoded for EncodedBicluster {
     fn write(&self, sink: &mut Sink) {
         match &self.0 {
             Form::Compact(compact) => compact.write(sink),
-            Form::Sums(sums) => {
-                if !archive::write(sums, sink) {
-                    wire::write(sums, sink);
-                }
-            }
+            Form::Sums(sums) if sums.regions.is_empty() => wire::write(sums, sink),
+            Form::Sums(sums) => archive::write(sums, sink),
         }
     }
 
     fn hold(&self, sink: &mut Sink) {
         match &self.0 {
             Form::Compact(compact) => compact.hold(sink),
-            Form::Sums(sums) => wire::write(sums, sink),
+            Form::Sums(sums) => wire::hold(sums, sink),
         }
     }
 }
@@ -106,6 +108,25 @@ fn apply<const N: usize>(sums: &Sums, lights: ArrayView2<f32>, out: ArrayViewMut
 }
 
 impl Sums {
+    /// Whether it is known that every term of a row is a part of it: merged pairs are, biclusters may leave residuals.
+    fn adds_only(&self) -> bool {
+        !self.regions.is_empty()
+    }
+
+    /// Relights row by row: an infinite coefficient must not reach rows that a residual takes it away from.
+    fn apply_rows(&self, lights: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
+        out.outer_iter_mut().into_par_iter().enumerate().for_each_init(
+            || vec![0.0; self.shape.lights],
+            |values, (row, mut out)| {
+                self.row_into(row, values);
+                out.fill(0.0);
+                for (value, x) in values.iter().zip(lights.outer_iter()).filter(|(v, _)| **v != 0.0) {
+                    out.iter_mut().zip(x).for_each(|(y, x)| *y += value * x);
+                }
+            },
+        );
+    }
+
     fn row_into(&self, row: usize, out: &mut [f32]) {
         let mut sums = vec![0f64; out.len()];
         if let Some(product) = self.slots[row].checked_sub(1) {

@@ -27,9 +27,10 @@ pub(crate) fn products<const N: usize>(sums: &Sums, lights: ArrayView2<f32>) -> 
     if let Some(rest) = &sums.rest {
         let mut of_rest = Array2::zeros((sums.products(), lights.ncols()));
         rest.apply_into(lights, of_rest.view_mut())?;
-        for (product, rest) in products[1..].iter_mut().zip(of_rest.outer_iter()) {
+        let of_rest = of_rest.axis_iter(Axis(0)).into_par_iter();
+        products[1..].par_iter_mut().zip(of_rest).with_min_len(ROWS).for_each(|(product, rest)| {
             product.iter_mut().zip(rest).for_each(|(y, rest)| *y += rest);
-        }
+        });
     }
     Ok(products)
 }
@@ -46,10 +47,10 @@ pub(crate) fn run<const N: usize, C: Count>(
     let (start, end) = (sums.starts[block], sums.starts[block + 1]);
     symbols.clear();
     symbols.reserve(end.leaf - start.leaf + end.sum - start.sum);
-    let mut leaf = start.leaf;
+    let mut leaf = 0;
     for (&factor, &run) in sums.factors[start.run..end.run].iter().zip(&sums.runs[start.run..end.run]) {
-        let run = leaf..leaf + run as usize;
-        leaf = run.end;
+        let run = start.leaf + leaf..start.leaf + run as usize;
+        leaf = run.end - start.leaf;
         if factor != 1.0 {
             count.multiply(run.len());
             count.factors(run.clone().map(|_| factor));

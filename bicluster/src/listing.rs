@@ -7,10 +7,33 @@
 use crate::planes;
 use prt_transfer::sections::broken;
 use prt_transfer::{LightBasis, Result, Shape, Sink, Source, TransferMatrix};
+use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// Elements that a file may list per byte of its runs: bounds what reading allocates.
-const ELEMENTS_PER_BYTE: usize = 16;
+/// Elements that a file may list for each run, and rows for each run or count: they bound what reading allocates.
+const ELEMENTS_PER_RUN: usize = 64;
+const ROWS_PER_RUN: usize = 256;
+
+/// Whether so many elements and rows may be listed in so many runs.
+fn is_readable(shape: Shape, elements: usize, runs: usize) -> bool {
+    elements <= ELEMENTS_PER_RUN.saturating_mul(runs)
+        && shape.rows() <= ROWS_PER_RUN.saturating_mul(shape.samples + runs)
+        && shape.rows() < u32::MAX as usize
+}
+
+/// Whether a matrix can be listed. Its runs are the same however rows are listed together.
+pub(crate) fn can_list(matrix: &TransferMatrix) -> bool {
+    let runs_of = |row: usize| {
+        let (mut end, mut runs) = (usize::MAX, 0);
+        for (column, _) in matrix.row(row).non_zeros() {
+            runs += usize::from(column != end);
+            end = column + 1;
+        }
+        runs
+    };
+    let runs = (0..matrix.rows()).into_par_iter().map(runs_of).sum();
+    is_readable(matrix.shape(), matrix.non_zeros(), runs)
+}
 
 /// Elements of one sample or row: column, row within the sample, value.
 type Element = (u32, u32, f32);
@@ -93,11 +116,6 @@ impl Listing {
         }
     }
 
-    /// Whether a reader will accept so many elements in so few bytes.
-    pub(crate) fn is_readable(&self) -> bool {
-        self.elements <= ELEMENTS_PER_BYTE * self.gaps.len()
-    }
-
     pub(crate) fn write(&self, lights: usize, sink: &mut Sink) {
         sink.put("header/listing", &[self.together as u32]);
         planes::put(sink, "index/counts", &self.counts, u32::MAX as usize);
@@ -129,9 +147,11 @@ impl Listing {
             && gaps.len() == rows.len()
             && gaps.len() == lengths.len()
             && steps.len() == codes.len();
-        if !agree || elements > (ELEMENTS_PER_BYTE * gaps.len()) as u64 {
-            let expected =
-                format!("runs of {} samples, at most {ELEMENTS_PER_BYTE} elements each", shape.rows() / together);
+        if !agree || !is_readable(shape, usize::try_from(elements).unwrap_or(usize::MAX), gaps.len()) {
+            let expected = format!(
+                "runs of {} samples, {ELEMENTS_PER_RUN} elements and {ROWS_PER_RUN} rows a run on average at most",
+                shape.rows() / together
+            );
             return Err(broken("index/counts", expected, format!("{} counts, {runs} runs", counts.len())));
         }
         let listing =

@@ -8,40 +8,58 @@
 //! The same pairs in the same order, applied to the same rows, give the same result: [`replay`].
 
 use crate::symbols::SYMBOLS;
+use std::ops::Range;
 
 /// Two symbols, the smaller first, that make a new one.
 pub(crate) type Pair = [u16; 2];
 
-/// Symbols of a row, on average, up to which all pairs of a block are counted at once; longer rows go strip by strip first.
-const STRIP: usize = 160;
+/// Symbols that a symbol shares its rows with, on average, up to which all pairs of a block are counted at once. Where
+/// rows are longer, strips of the leaves go first, each by itself.
+const PARTNERS: usize = 320;
+/// Leaves of a strip at most.
+const STRIP: usize = 1024;
 
 /// Replaces pairs that at least `least` rows have in common, in `rows` of symbols below `leaves`; returns the pairs, whose
-/// symbols are numbered from `leaves` on.
+/// symbols are numbered from `leaves` on. Rows are left ascending.
 pub(crate) fn merge(rows: &mut [Vec<u16>], leaves: usize, least: u32) -> Vec<Pair> {
     let mut search = Search::new(rows, leaves, least.max(2));
-    let elements: usize = rows.iter().map(Vec::len).sum();
-    let strips = elements.div_ceil(STRIP * rows.len().max(1));
-    if strips > 1 {
-        for strip in 0..strips {
-            // Leaves are in the order of their columns, so that a strip is a part of the lights.
-            let bounds = [strip, strip + 1].map(|s| (s * leaves / strips) as u16);
-            let inside = |s: &u16| (bounds[0]..bounds[1]).contains(s);
+    if !countable(rows) {
+        for strip in strips(&search.occurs, rows.len()) {
+            let inside = |s: &u16| strip.contains(s);
             let mut parts: Vec<Vec<u16>> = rows.iter().map(|r| r.iter().copied().filter(inside).collect()).collect();
-            search.run(&mut parts, bounds[0]..bounds[1]);
+            search.run(&mut parts, strip.clone());
             rows.iter_mut().zip(parts).for_each(|(row, part)| {
                 row.retain(|s| !inside(s));
                 row.extend(part);
             });
         }
-        let left: usize = rows.iter().map(Vec::len).sum();
-        if left > STRIP * rows.len() {
-            return search.pairs;
-        }
     }
-    let symbols = search.occurs.len() as u16;
-    search.run(rows, 0..symbols);
+    if countable(rows) {
+        // In strips or not, what the rows hold now is all there is.
+        let symbols = search.occurs.len().min(usize::from(u16::MAX)) as u16;
+        search.run(rows, 0..symbols);
+    }
     rows.iter_mut().for_each(|row| row.sort_unstable());
     search.pairs
+}
+
+/// Whether counting the pairs of all rows takes a few steps an element.
+fn countable(rows: &[Vec<u16>]) -> bool {
+    let elements: usize = rows.iter().map(Vec::len).sum();
+    rows.iter().map(|row| row.len() * row.len()).sum::<usize>() <= PARTNERS * elements
+}
+
+/// Cuts the leaves, in their order, into strips of which a row has some 160 on average.
+fn strips(occurs: &[Bits], rows: usize) -> Vec<Range<u16>> {
+    let (mut strips, mut start, mut elements) = (Vec::new(), 0, 0);
+    for (leaf, bits) in occurs.iter().enumerate() {
+        elements += bits.iter().map(|word| word.count_ones() as usize).sum::<usize>();
+        if elements >= PARTNERS / 2 * rows || leaf + 1 - start == STRIP || leaf + 1 == occurs.len() {
+            strips.push(start as u16..(leaf + 1) as u16);
+            (start, elements) = (leaf + 1, 0);
+        }
+    }
+    strips
 }
 
 /// Applies pairs in their order, as [`merge`] did: wherever a row has both symbols, the new one takes their place.
@@ -49,9 +67,13 @@ pub(crate) fn replay(rows: &mut [Vec<u16>], leaves: usize, pairs: &[Pair]) {
     let mut occurs = occurrences(rows, leaves);
     for &pair in pairs {
         let both = intersection(&occurs, pair);
-        apply(&mut occurs, rows, pair, both);
+        take_away(&mut occurs, pair, &both);
+        occurs.push(both);
     }
-    rows.iter_mut().for_each(|row| row.sort_unstable());
+    rows.iter_mut().for_each(Vec::clear);
+    for (symbol, bits) in occurs.iter().enumerate() {
+        for_each_bit(bits, |row| rows[row].push(symbol as u16));
+    }
 }
 
 /// The rows that a symbol occurs in, a bit each.
@@ -72,7 +94,7 @@ impl Search {
     }
 
     /// Merges pairs of the given symbols, and of those that come of them, until none is left. Rows hold no other symbols.
-    fn run(&mut self, rows: &mut [Vec<u16>], symbols: std::ops::Range<u16>) {
+    fn run(&mut self, rows: &mut [Vec<u16>], symbols: Range<u16>) {
         let mut queue: Vec<Vec<Pair>> = vec![Vec::new(); rows.len() + 1];
         for symbol in symbols {
             let bits = std::mem::take(&mut self.occurs[usize::from(symbol)]);
@@ -151,15 +173,19 @@ fn intersection(occurs: &[Bits], [a, b]: Pair) -> Bits {
 /// Replaces the pair by a new symbol in the rows `both`.
 fn apply(occurs: &mut Vec<Bits>, rows: &mut [Vec<u16>], pair: Pair, both: Bits) -> u16 {
     let symbol = occurs.len() as u16;
-    for part in pair {
-        occurs[usize::from(part)].iter_mut().zip(&both).for_each(|(word, both)| *word &= !both);
-    }
+    take_away(occurs, pair, &both);
     for_each_bit(&both, |row| {
         rows[row].retain(|s| !pair.contains(s));
         rows[row].push(symbol);
     });
     occurs.push(both);
     symbol
+}
+
+fn take_away(occurs: &mut [Bits], pair: Pair, both: &[u64]) {
+    for part in pair {
+        occurs[usize::from(part)].iter_mut().zip(both).for_each(|(word, both)| *word &= !both);
+    }
 }
 
 fn for_each_bit(bits: &[u64], mut visit: impl FnMut(usize)) {

@@ -10,6 +10,17 @@ prt_transfer::choices! {
     }
 }
 
+impl Objective {
+    /// Rows that a pair must have for its sum to save anything: it takes one addition or two indices, and saves one of either
+    /// in every row.
+    pub(crate) fn least_rows(self) -> u32 {
+        match self {
+            Objective::Flops => 2,
+            Objective::Bytes => 3,
+        }
+    }
+}
+
 prt_transfer::choices! {
     /// How deep sums nest.
     pub enum Levels {

@@ -21,7 +21,7 @@ pub(crate) struct Sums {
     pub(crate) blocks: Vec<[u32; 3]>,
     /// The factor of each run of leaves.
     pub(crate) factors: Vec<f32>,
-    /// The length of each run.
+    /// Where each run ends, in leaves of its block.
     pub(crate) runs: Vec<u32>,
     /// The light coefficient of each leaf.
     pub(crate) columns: Columns,
@@ -144,11 +144,11 @@ impl Sums {
     }
 
     fn push(&mut self, code: &Code, binary: bool) {
-        let runs = self.runs.len();
+        let (runs, first) = (self.runs.len(), self.columns.len());
         for run in code.leaves.chunk_by(|a, b| a.1 == b.1) {
             self.factors.push(run[0].1);
-            self.runs.push(run.len() as u32);
             run.iter().for_each(|leaf| self.columns.push(leaf.0));
+            self.runs.push((self.columns.len() - first) as u32);
         }
         for sum in &code.sums {
             self.inputs.extend(sum);
@@ -187,7 +187,10 @@ impl Sums {
                 _ => self.arities.get(at.sum..at.sum + sums as usize)?.iter().map(|&n| usize::from(n)).sum(),
             };
             at.run += runs.len();
-            at.leaf += runs.iter().map(|&n| n as usize).sum::<usize>();
+            if !runs.is_sorted() {
+                return None;
+            }
+            at.leaf += runs.last().map_or(0, |&end| end as usize);
             at.sum += sums as usize;
             at.input += arities;
             at.group += groups.len();
@@ -209,7 +212,7 @@ impl Sums {
     }
 
     /// The block that a product belongs to, and its terms there.
-    fn terms_of(&self, product: usize) -> (usize, Vec<u16>) {
+    pub(crate) fn terms_of(&self, product: usize) -> (usize, Vec<u16>) {
         let block = self.starts.partition_point(|s| s.product <= product) - 1;
         let (mut first, mut term) = (self.starts[block].product, self.starts[block].term);
         let groups = &self.groups[self.starts[block].group..self.starts[block + 1].group];
@@ -240,7 +243,8 @@ impl Sums {
         while let Some(symbol) = open.pop() {
             let symbol = usize::from(symbol);
             if symbol < leaves {
-                leaf((self.columns.at(start.leaf + symbol) as u32, self.factor(start.run, symbol)));
+                let run = self.runs[start.run..end.run].partition_point(|&end| end as usize <= symbol);
+                leaf((self.columns.at(start.leaf + symbol) as u32, self.factors[start.run + run]));
             } else {
                 let sum = start.sum + symbol - leaves;
                 let input = match self.arities[..] {
@@ -251,16 +255,6 @@ impl Sums {
                 open.extend(&self.inputs[input..input + self.arity(sum)]);
             }
         }
-    }
-
-    /// The factor of a leaf, counted from the run that its block starts with.
-    fn factor(&self, run: usize, leaf: usize) -> f32 {
-        let mut end = 0;
-        let after = self.runs[run..].iter().position(|&n| {
-            end += n as usize;
-            leaf < end
-        });
-        self.factors[run + after.unwrap_or_default()]
     }
 }
 

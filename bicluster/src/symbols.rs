@@ -30,18 +30,15 @@ impl Symbols {
             elements.extend(leaves.iter().map(|&leaf| (key(leaf), row as u32)));
         }
         elements.sort_unstable();
-        let mut counts: Vec<usize> = elements.chunk_by(|a, b| a.0 == b.0).map(<[_]>::len).collect();
+        let counts: Vec<usize> = elements.chunk_by(|a, b| a.0 == b.0).map(<[_]>::len).collect();
         let single = counts.iter().filter(|&&n| n == 1).count();
         // One row's element costs more as a leaf than in a sparse row, but a sparse row of its own costs too.
-        let mut least = if single > rows.len() { 2 } else { 1 };
-        if counts.iter().filter(|&&n| n >= least).count() > LEAVES {
-            counts.sort_unstable_by(|a, b| b.cmp(a));
-            least = counts[LEAVES] + 1;
-        }
+        let least = if single > rows.len() { 2 } else { 1 };
+        let mut chosen = most_frequent(&counts, least).into_iter();
         let mut symbols =
             Symbols { leaves: Vec::new(), rows: vec![Vec::new(); rows.len()], left: vec![Vec::new(); rows.len()] };
         for group in elements.chunk_by(|a, b| a.0 == b.0) {
-            if group.len() >= least || (group[0].1 as usize) < whole {
+            if chosen.next() == Some(true) || (group[0].1 as usize) < whole {
                 let symbol = symbols.leaves.len() as u16;
                 symbols.leaves.push(leaf(group[0].0));
                 group.iter().for_each(|&(_, row)| symbols.rows[row as usize].push(symbol));
@@ -52,6 +49,15 @@ impl Symbols {
         symbols.left.iter_mut().for_each(|row| row.sort_unstable_by_key(|l| l.0));
         symbols
     }
+}
+
+/// Which counts are at least `least` and among the [`LEAVES`] largest, the first of equal ones.
+fn most_frequent(counts: &[usize], least: usize) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..counts.len()).filter(|&i| counts[i] >= least).collect();
+    order.sort_by_key(|&i| std::cmp::Reverse(counts[i]));
+    let mut chosen = vec![false; counts.len()];
+    order.into_iter().take(LEAVES).for_each(|i| chosen[i] = true);
+    chosen
 }
 
 /// Orders leaves by value, 1 before all others, then by column. No value is 0, so its bits are never 0.

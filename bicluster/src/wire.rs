@@ -6,8 +6,8 @@ use prt_transfer::compact::EncodedCompact;
 use prt_transfer::sections::broken;
 use prt_transfer::{Encoded, Restore, Result, Shape, Sink, Source};
 
-/// Leaves of a sum at most, for each light coefficient: a coefficient occurs once, and again for each residual.
-const LEAVES_PER_LIGHT: usize = 256;
+/// How often a sum or row may name each leaf of its block, on average: once, and again for each residual.
+const REPEATS: usize = 256;
 
 /// Writes the arrays as they are.
 pub(crate) fn write(sums: &Sums, sink: &mut Sink) {
@@ -25,12 +25,17 @@ pub(crate) fn write(sums: &Sums, sink: &mut Sink) {
     sink.put("index/inputs", &sums.inputs);
     sink.put("index/groups", sums.groups.as_flattened());
     sink.put("index/terms", &sums.terms);
-    if !sums.regions.is_empty() {
-        sink.put("index/regions", &sums.regions);
-    }
     if let Some(rest) = &sums.rest {
         sink.put("header/products", &[rest.shape().rows() as u32]);
         sink.nest("rest", |sink| rest.write(sink));
+    }
+}
+
+/// As [`write`], with what the archive form needs besides.
+pub(crate) fn hold(sums: &Sums, sink: &mut Sink) {
+    write(sums, sink);
+    if !sums.regions.is_empty() {
+        sink.put("index/regions", &sums.regions);
     }
 }
 
@@ -39,7 +44,7 @@ pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<Sums> {
     let mut sums = Sums {
         shape,
         slots: source.take_exact("index/slots", shape.rows())?,
-        blocks: triples(source.take("index/blocks")?)?,
+        blocks: tuples("index/blocks", source.take("index/blocks")?)?,
         factors: source.take("weights/factors")?,
         runs: source.take("index/runs")?,
         columns: match Columns::up_to(shape.lights) {
@@ -48,13 +53,9 @@ pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<Sums> {
         },
         arities: if source.has("index/arities") { source.take("index/arities")? } else { Vec::new() },
         inputs: source.take("index/inputs")?,
-        groups: source.take("index/groups")?.as_chunks::<2>().0.to_vec(),
+        groups: tuples("index/groups", source.take("index/groups")?)?,
         terms: source.take("index/terms")?,
-        regions: if source.has("index/regions") {
-            source.take_exact("index/regions", shape.lights)?
-        } else {
-            Vec::new()
-        },
+        regions: Vec::new(),
         rest: read_rest(shape, source)?,
         starts: Vec::new(),
     };
@@ -80,16 +81,16 @@ fn read_rest(shape: Shape, source: &mut Source) -> Result<Option<Box<EncodedComp
     Ok(Some(Box::new(rest)))
 }
 
-fn triples(numbers: Vec<u32>) -> Result<Vec<[u32; 3]>> {
-    match numbers.as_chunks::<3>() {
-        (triples, []) => Ok(triples.to_vec()),
-        _ => Err(broken("index/blocks", "three numbers a block", format!("{} numbers", numbers.len()))),
+fn tuples<const N: usize>(section: &str, numbers: Vec<u32>) -> Result<Vec<[u32; N]>> {
+    match numbers.as_chunks::<N>() {
+        (tuples, []) => Ok(tuples.to_vec()),
+        _ => Err(broken(section, format!("{N} numbers each"), format!("{} numbers", numbers.len()))),
     }
 }
 
 impl Sums {
     /// Refuses sections that would lead relighting out of bounds or to values that are not numbers.
-    fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         let refuse = |section: &str, expected: String, found: String| Err(broken(section, expected, found));
         let with_terms = self.starts[self.blocks.len()].product;
         if self.products() < with_terms {
@@ -123,7 +124,7 @@ impl Sums {
                 );
             }
             // Sums of sums could name more leaves than a decoder ever finishes with.
-            let most = LEAVES_PER_LIGHT * self.shape.lights;
+            let most = REPEATS * leaves.min(self.shape.lights);
             let mut expanded = vec![1usize; leaves];
             let mut inputs = &self.inputs[start.input..end.input];
             for sum in start.sum..end.sum {
@@ -142,6 +143,12 @@ impl Sums {
             if let Some(term) = self.terms[start.term..end.term].iter().find(|&&t| usize::from(t) >= symbols) {
                 return refuse("index/terms", format!("symbols below {symbols} in block {block}"), term.to_string());
             }
+            for product in start.product..end.product {
+                let own: usize = self.terms_of(product).1.iter().map(|&t| expanded[usize::from(t)]).sum();
+                if own > most {
+                    return refuse("index/terms", format!("at most {most} leaves in a row"), own.to_string());
+                }
+            }
         }
         Ok(())
     }
@@ -149,7 +156,7 @@ impl Sums {
     /// Memory that relighting holds.
     pub(crate) fn bytes(&self) -> usize {
         let mut sink = Sink::new();
-        write(self, &mut sink);
+        hold(self, &mut sink);
         sink.resident_bytes()
     }
 }

@@ -62,6 +62,7 @@ fn matrices() -> impl Strategy<Value = (Vec<Vec<f32>>, usize)> {
                     0 => 0.0,
                     1 => VALUES[k % VALUES.len()],
                     2 => k as f32 + 0.1,
+                    5 => [16_777_216.0, 16_777_218.0, 1.0][(k + length) % 3],
                     4 => 0.001 * (k % 5 + 1) as f32,
                     _ => 1.0,
                 };
@@ -212,6 +213,39 @@ fn a_file_gives_back_the_same_arrays() {
     let names: Vec<String> = compressed.held().sizes().map(|(name, _)| name.to_string()).collect();
     assert!(names.iter().any(|n| n == "index/rest-columns") && names.iter().any(|n| n == "index/terms"), "{names:?}");
     assert_eq!(reloaded(&compressed).held().into_sections(), compressed.held().into_sections());
+}
+
+/// Rows so long that pairs are counted strip by strip, and too random to be left with few terms.
+#[test]
+fn long_rows_come_back_and_give_the_same_arrays_again() {
+    let mut state = 7u64;
+    let mut random = || {
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        state >> 33
+    };
+    let rows: Vec<Vec<f32>> =
+        (0..300).map(|_| (0..3000).map(|_| if random().is_multiple_of(2) { 1.0 } else { 0.0 }).collect()).collect();
+    let compressed = encode(BiclusterParams::default(), &sparse(&rows, 1));
+    assert!(compressed.held().sizes().any(|(name, _)| name == "index/slots"), "sums are shared");
+    let reloaded = reloaded(&compressed);
+    assert!(self::rows(&reloaded) == rows);
+    assert!(reloaded.held().into_sections() == compressed.held().into_sections());
+}
+
+/// An infinite coefficient reaches the rows that contain it and no others, as IEEE arithmetic has it.
+#[test]
+fn infinite_light_reaches_only_the_rows_that_see_it() {
+    let matrix = visibility(2000, 200);
+    let mut light = Array2::ones((200, 1));
+    light[[77, 0]] = f32::INFINITY;
+    let mut expected = Array2::zeros((2000, 1));
+    matrix.apply_into(light.view(), expected.view_mut()).unwrap();
+    for levels in [Levels::One, Levels::Two, Levels::All] {
+        let compressed = reloaded(&encode(BiclusterParams { levels, ..Default::default() }, &matrix));
+        let mut y = Array2::zeros((2000, 1));
+        compressed.apply_into(light.view(), y.view_mut()).unwrap();
+        assert_eq!(y, expected, "levels={levels:?}");
+    }
 }
 
 #[test]

@@ -188,7 +188,8 @@ impl EncodedVisibility {
 
 /// The response that a sample's exceptions have for a column.
 fn exception(exceptions: &[[u32; 3]], column: usize) -> Option<usize> {
-    exceptions.iter().find(|e| e[1] as usize == column).map(|e| e[2] as usize)
+    let at = exceptions.binary_search_by_key(&column, |e| e[1] as usize).ok()?;
+    Some(exceptions[at][2] as usize)
 }
 
 impl Encoded for EncodedVisibility {

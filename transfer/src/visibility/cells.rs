@@ -38,6 +38,7 @@ impl Cells {
             let mut others: Vec<(f64, usize)> = others.map(|i| (dot(directions[of], directions[i]), i)).collect();
             others.sort_by(|a, b| b.0.total_cmp(&a.0));
             others.truncate(KEPT);
+            others.shrink_to_fit();
             others
         };
         Cells { around: (0..directions.len()).map(around).collect(), directions }

@@ -5,6 +5,7 @@ use super::sky::Sky;
 use super::{BLOCK_SAMPLES, EncodedVisibility, MAX_LEVELS};
 use crate::codec::Restore;
 use crate::error::Result;
+use crate::hemisphere::MAX_EDGE;
 use crate::matrix::Shape;
 use crate::narrow::Whole;
 use crate::sections::{Source, broken};
@@ -21,6 +22,13 @@ impl Restore for EncodedVisibility {
             let expected = format!("1 to {} samples along an edge of a cubemap's texel", Sky::MAX_EDGE);
             broken(LAYOUT, expected, format!("{} for {} lights", header[0], shape.lights))
         })?;
+        if shape.responses > MAX_EDGE * MAX_EDGE {
+            return Err(broken(
+                LAYOUT,
+                format!("at most {MAX_EDGE} x {MAX_EDGE} responses"),
+                shape.responses.to_string(),
+            ));
+        }
         let encoded = EncodedVisibility {
             shape,
             sky,
