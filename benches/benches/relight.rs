@@ -4,6 +4,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use ndarray::Array2;
 use prt_benches::{LIGHTS, ROWS, synthetic};
+use prt_bicluster::Bicluster;
 use prt_transfer::compact::Compact;
 use prt_transfer::csr::Csr;
 use prt_transfer::dense::Dense;
@@ -27,7 +28,7 @@ fn encode<C: Codec>(matrix: &TransferMatrix) -> Box<dyn Encoded> {
 
 fn bytes(encoded: &dyn Encoded) -> usize {
     let mut sink = Sink::new();
-    encoded.write(&mut sink);
+    encoded.hold(&mut sink);
     sink.resident_bytes()
 }
 
@@ -42,6 +43,7 @@ fn sparse() -> Vec<Candidate> {
         ("csr", encode::<Csr>(&whole), whole.non_zeros()),
         ("compact", encode::<Compact>(&whole), whole.non_zeros()),
         ("runs", encode::<Runs>(&whole), whole.non_zeros()),
+        ("bicluster", encode::<Bicluster>(&whole), whole.non_zeros()),
         ("f16", encode::<F16>(&whole), whole.non_zeros()),
         ("csr, light in 2 KiB", encode::<Csr>(&near), near.non_zeros()),
         ("csr, in cache", encode::<Csr>(&short), short.non_zeros()),
