@@ -145,7 +145,8 @@ proptest! {
             let largest = row.iter().fold(0f32, |m, v| m.max(v.abs()));
             let step = if bits == 32 { 0.0 } else { largest / ((1 << (bits - 1)) - 1) as f32 };
             for (a, b) in row.iter().zip(decoded) {
-                prop_assert!((a - b).abs() <= 0.501 * step, "{} {} {}", a, b, step);
+                // A step times a whole number is rounded to f32, which of 16 bits is a visible part of a step.
+                prop_assert!((a - b).abs() <= 0.5 * step + 2.0 * f32::EPSILON * a.abs(), "{} {} {}", a, b, step);
             }
         }
     }
