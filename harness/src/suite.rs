@@ -90,7 +90,7 @@ impl Suite {
     pub fn new(size: Size, scenes: &[String], methods: &[String]) -> Suite {
         let (usual, vertices, resolution, budget) = match size {
             Size::Quick => (&QUICK_SCENES[..], 150, 16, 40),
-            Size::Standard => (&SCENES[..], 500, 32, 120),
+            Size::Standard => (&SCENES[..], 400, 32, 90),
             Size::Full => (&FULL_SCENES[..], 3000, 32, 500),
         };
         let scenes = if scenes.is_empty() { owned(usual) } else { scenes.to_vec() };
