@@ -15,7 +15,6 @@ pub(crate) struct Block {
 }
 
 /// Leaves, sums and rows in symbols: leaf i is symbol i, sum j symbol leaves + j.
-#[derive(Default)]
 pub(crate) struct Code {
     /// By [`crate::symbols::key`].
     pub(crate) leaves: Vec<Leaf>,
@@ -44,7 +43,7 @@ impl Block {
         Some(Block { kinds, code: Some(code(leaves, pairs, terms)), left })
     }
 
-    /// Keeps `code` where it takes fewer bytes and fewer operations than the elements themselves.
+    /// Keeps `code` where it takes fewer bytes and less time than the elements themselves.
     pub(crate) fn new(
         kinds: Vec<u32>,
         rows: Vec<Vec<Leaf>>,
@@ -55,7 +54,7 @@ impl Block {
         let count = |rows: &[Vec<Leaf>]| rows.iter().map(Vec::len).sum::<usize>();
         let elements = count(&rows) as f64;
         let pays = code.bytes() as f64 + count(&left) as f64 * bytes_per_element < elements * bytes_per_element
-            && elements > (code.indices() + count(&left)) as f64;
+            && elements > (code.steps() + count(&left)) as f64;
         if pays { Block { kinds, code: Some(code), left } } else { Block::plain(kinds, rows) }
     }
 
@@ -74,6 +73,11 @@ fn code(leaves: Vec<Leaf>, pairs: Vec<Pair>, rows: Vec<Vec<u16>>) -> Code {
 }
 
 impl Code {
+    /// Time to relight, where an element of a sparse row takes one step: one for an index that is followed, one more for a
+    /// leaf and for a sum, which are stored, two more for a row, whose product is stored and fetched again.
+    fn steps(&self) -> usize {
+        self.indices() + self.leaves.len() + self.sums.len() + 2 * self.rows.len()
+    }
     /// Indices that relighting follows.
     fn indices(&self) -> usize {
         self.leaves.len() + self.sums.iter().chain(&self.rows).map(Vec::len).sum::<usize>()
