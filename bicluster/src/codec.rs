@@ -75,16 +75,17 @@ impl Bicluster {
         let archived = levels == Levels::All && can_list(matrix);
         let regions = if archived { regions } else { Vec::new() };
         let sums = lay_out(matrix, &distinct, &blocks, regions)?;
-        let keeps = sums.check().is_ok() && sums.bytes() < bytes;
+        let readable = sums.check().is_ok();
         let (sums, compact) = (EncodedBicluster::of_sums(sums), EncodedBicluster::of_compact(compact));
         let operations = |encoded: &EncodedBicluster| encoded.flops(&vec![0.0; matrix.lights()]).total();
-        Ok(if keeps && operations(&sums) <= operations(&compact) { sums } else { compact })
+        let pays = held(&sums) < bytes && operations(&sums) <= operations(&compact);
+        Ok(if readable && pays { sums } else { compact })
     }
 }
 
 /// Bytes of memory.
-pub(crate) fn held(encoded: &impl Encoded) -> usize {
+fn held(encoded: &impl Encoded) -> usize {
     let mut sink = Sink::new();
-    encoded.write(&mut sink);
+    encoded.hold(&mut sink);
     sink.resident_bytes()
 }

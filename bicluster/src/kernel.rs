@@ -5,6 +5,7 @@
 
 use crate::sums::{Columns, LANES, Sums};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
+use prt_transfer::kernel::pack;
 use prt_transfer::{Count, Encoded, NoCount, Result};
 use rayon::prelude::*;
 
@@ -148,10 +149,4 @@ fn gather_rows<const W: usize, const N: usize>(out: &mut [f32], slots: &[u32], p
     for (out, &slot) in out.as_chunks_mut::<W>().0.iter_mut().zip(slots) {
         out.iter_mut().zip(products[slot as usize]).for_each(|(y, p)| *y = p);
     }
-}
-
-/// The channels of each light coefficient side by side, up to `N` of them.
-fn pack<const N: usize>(lights: ArrayView2<f32>) -> Vec<[f32; N]> {
-    let channels = lights.ncols();
-    lights.outer_iter().map(|x| std::array::from_fn(|c| if c < channels { x[c] } else { 0.0 })).collect()
 }

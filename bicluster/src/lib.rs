@@ -45,6 +45,7 @@ mod pairs;
 mod params;
 mod places;
 mod planes;
+mod random;
 mod regions;
 mod sums;
 mod symbols;

@@ -4,6 +4,7 @@
 //! its random walk row → column → row (the spectral embedding of its bipartite graph) vary slowly along the columns that rows
 //! share.
 
+use crate::random::Random;
 use prt_transfer::TransferMatrix;
 
 /// A place.
@@ -31,21 +32,16 @@ fn embedding(matrix: &TransferMatrix) -> Vec<Place> {
         .collect();
     let mut degrees = vec![0f32; matrix.lights()];
     rows.iter().flatten().for_each(|&c| degrees[c as usize] += 1.0);
-    let mut random = 0x9E37_79B9_7F4A_7C15u64;
-    let mut start = || {
-        random ^= random << 13;
-        random ^= random >> 7;
-        random ^= random << 17;
-        (random >> 40) as f32 / (1 << 23) as f32 - 1.0
-    };
+    let mut random = Random(1);
+    let mut start = || random.below(1 << 24) as f32 / (1 << 23) as f32 - 1.0;
     let mut places: Vec<Place> = (0..matrix.lights()).map(|_| [start(), start(), start()]).collect();
     for _ in 0..STEPS {
         let mut next = vec![[0f32; 3]; places.len()];
         for row in &rows {
             let mut mean = [0f32; 3];
-            row.iter().for_each(|&c| add(&mut mean, &places[c as usize], 1.0));
+            row.iter().for_each(|&c| add(&mut mean, &places[c as usize]));
             let mean = mean.map(|m| m / row.len().max(1) as f32);
-            row.iter().for_each(|&c| add(&mut next[c as usize], &mean, 1.0));
+            row.iter().for_each(|&c| add(&mut next[c as usize], &mean));
         }
         next.iter_mut().zip(&degrees).for_each(|(p, &d)| *p = p.map(|c| c / d.max(1.0)));
         orthogonalise(&mut next, &degrees);
@@ -54,8 +50,8 @@ fn embedding(matrix: &TransferMatrix) -> Vec<Place> {
     places
 }
 
-fn add(sum: &mut Place, place: &Place, factor: f32) {
-    sum.iter_mut().zip(place).for_each(|(s, p)| *s += factor * p);
+fn add(sum: &mut Place, place: &Place) {
+    sum.iter_mut().zip(place).for_each(|(s, p)| *s += p);
 }
 
 /// Makes the three vectors orthogonal to the constant and to each other, of norm 1, in the walk's stationary measure.

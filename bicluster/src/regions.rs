@@ -12,15 +12,15 @@ use prt_transfer::TransferMatrix;
 const REGION_ROWS: usize = 4096;
 /// Rows of a block at most; more in one region are cut in their order.
 const BLOCK_ROWS: usize = 8192;
-/// Regions at most: their numbers take two bytes.
-const REGIONS: usize = 1 << 15;
+/// About so many regions at most, few enough for numbers of two bytes.
+const REGIONS: usize = 1 << 14;
 
 /// The region of each column, counted from 0.
 pub(crate) fn regions(matrix: &TransferMatrix, distinct: &Distinct, places: &[Place]) -> Vec<u16> {
     let mut rows = vec![0usize; places.len()];
     distinct.first.iter().for_each(|&row| rows[middle(matrix, row)] += 1);
     let mut columns: Vec<u32> = (0..places.len() as u32).filter(|&c| rows[c as usize] > 0).collect();
-    let target = REGION_ROWS.max(distinct.first.len() / (REGIONS / 2));
+    let target = REGION_ROWS.max(distinct.first.len() / REGIONS);
     let (mut regions, mut found) = (vec![0; places.len()], 0);
     cut(&mut columns, &rows, places, target, &mut |region| {
         region.iter().for_each(|&c| regions[c as usize] = found as u16);

@@ -152,11 +152,4 @@ impl Sums {
         }
         Ok(())
     }
-
-    /// Memory that relighting holds.
-    pub(crate) fn bytes(&self) -> usize {
-        let mut sink = Sink::new();
-        hold(self, &mut sink);
-        sink.resident_bytes()
-    }
 }

@@ -43,6 +43,11 @@ pub fn cases() -> Vec<Case> {
     let mut cases = vec![
         case("visibility", 48, 4, BASIS, &mut visibility),
         case("smooth", 30, 1, BASIS, &mut |r, c| smooth(r, c)),
+        // Windows of many places and lengths: rows that share parts with few others.
+        case("windows", 400, 4, BASIS, &mut |r, c| {
+            let (start, length) = (r * 7 % 61, 12 + r * r % 23);
+            if (start..start + length).contains(&c) { 1.0 } else { 0.0 }
+        }),
         case("noise", 17, 1, BASIS, &mut noise),
         case("one row", 1, 1, BASIS, &mut |r, c| smooth(r, c)),
         case("zeros", 5, 5, BASIS, &mut |_, _| 0.0),

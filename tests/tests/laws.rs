@@ -99,8 +99,10 @@ fn every_parameter_is_covered_and_changes_the_outcome() {
     for setting in SETTINGS {
         let outcome = |label: &str| {
             let label: Label = label.parse().unwrap();
-            let visible: Vec<_> =
-                cases().into_iter().filter(|c| ["smooth", "visibility", "noise"].contains(&c.name)).collect();
+            let visible: Vec<_> = cases()
+                .into_iter()
+                .filter(|c| ["smooth", "visibility", "noise", "windows"].contains(&c.name))
+                .collect();
             let made = visible.iter().map(|case| {
                 let compressed = encode(&registry, &label, &case.matrix).unwrap();
                 let light = light(case.matrix.lights(), 1);

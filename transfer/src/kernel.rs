@@ -106,8 +106,8 @@ pub(crate) fn by_blocks<const N: usize>(mut out: ArrayViewMut2<f32>, products: i
     });
 }
 
-/// The channels of each light coefficient side by side, up to `N` of them.
-pub(crate) fn pack<const N: usize>(lights: ArrayView2<f32>) -> Vec<[f32; N]> {
+/// The channels of each light coefficient side by side, up to `N` = 1 or 4 of them; further lanes are 0.
+pub fn pack<const N: usize>(lights: ArrayView2<f32>) -> Vec<[f32; N]> {
     let mut packed = vec![[0f32; N]; lights.nrows()];
     let lights = lights.as_standard_layout();
     let coefficients = lights.as_slice().expect("standard layout");

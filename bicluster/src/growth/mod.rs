@@ -15,7 +15,6 @@ mod block;
 mod candidate;
 mod cost;
 mod dictionary;
-mod random;
 mod search;
 mod select;
 #[cfg(test)]

@@ -6,8 +6,8 @@ use std::collections::BinaryHeap;
 use super::block::{Block, Entry};
 use super::candidate::Candidate;
 use super::cost::Cost;
-use super::random::Random;
 use super::{Bicluster, Grown};
+use crate::random::Random;
 
 /// Rows from which the partner of a seed is taken.
 const PARTNERS: usize = 4;
