@@ -16,17 +16,17 @@
 //! use prt_bicluster::{Bicluster, BiclusterParams};
 //! use prt_transfer::{Codec, Configure, Encoded, LightBasis, Quiet, TransferMatrix};
 //!
-//! // 400 windows of eight lights each, on 64 lights.
+//! // 400 windows of 32 lights each, on 256 lights.
 //! let rows = 0..400usize;
-//! let columns = rows.clone().flat_map(|r| { let start = r * 7 % 57; start as u32..start as u32 + 8 }).collect();
-//! let offsets = (0..=400).map(|r| 8 * r).collect();
-//! let matrix = TransferMatrix::from_csr(offsets, columns, vec![1.0; 3200], 1, LightBasis::Plain { lights: 64 })?;
+//! let columns = rows.clone().flat_map(|r| { let start = r * 7 % 225; start as u32..start as u32 + 32 }).collect();
+//! let offsets = (0..=400).map(|r| 32 * r).collect();
+//! let matrix = TransferMatrix::from_csr(offsets, columns, vec![1.0; 12_800], 1, LightBasis::Plain { lights: 256 })?;
 //!
 //! let encoded = Bicluster::new(BiclusterParams::default())?.encode(&matrix, &Quiet)?;
-//! let (light, mut responses) = (Array2::ones((64, 1)), Array2::zeros((400, 1)));
+//! let (light, mut responses) = (Array2::ones((256, 1)), Array2::zeros((400, 1)));
 //! encoded.apply_into(light.view(), responses.view_mut())?;
-//! assert!(responses.iter().all(|&y| y == 8.0));
-//! assert!(encoded.flops(&[1.0; 64]).total() < 400); // the plain product takes 6,400
+//! assert!(responses.iter().all(|&y| y == 32.0));
+//! assert!(encoded.flops(&[1.0; 256]).total() < 2_560); // a tenth of the plain product's 25,600
 //! # Ok::<(), prt_transfer::Error>(())
 //! ```
 
