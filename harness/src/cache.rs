@@ -27,6 +27,8 @@ pub struct About {
     fingerprint: String,
     /// What the columns stand for.
     basis: String,
+    /// What the responses of a sample stand for.
+    response_basis: String,
     samples: usize,
     responses: usize,
     lights: usize,
@@ -101,8 +103,8 @@ impl Prepared {
         match self.matrix {
             Some(matrix) => Ok(matrix),
             None => {
-                let description =
-                    Description { responses: Some(self.about.responses), basis: Some(self.about.basis.parse()?) };
+                let About { response_basis, basis, .. } = &self.about;
+                let description = Description { responses: Some(response_basis.parse()?), basis: Some(basis.parse()?) };
                 let matrix = files::read_matrix(&self.path, &description)?;
                 let found = fingerprint::matrix(&matrix);
                 anyhow::ensure!(
@@ -125,6 +127,7 @@ impl About {
             program: fingerprint::program().into(),
             fingerprint: fingerprint::matrix(matrix),
             basis: matrix.basis().to_string(),
+            response_basis: matrix.responses().to_string(),
             samples: shape.samples,
             responses: shape.responses,
             lights: shape.lights,

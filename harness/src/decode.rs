@@ -32,7 +32,7 @@ const BLOCK: usize = 1024;
 
 /// Every row of T̃: sparse where T came sparse, dense where it came dense.
 pub fn matrix(compressed: &Compressed, progress: &dyn Progress) -> Result<TransferMatrix> {
-    let (shape, basis) = (compressed.shape(), compressed.basis().clone());
+    let (shape, basis, meaning) = (compressed.shape(), compressed.basis().clone(), compressed.responses().clone());
     let (rows, lights) = (shape.rows(), shape.lights);
     progress.start("decode", rows as u64);
     if compressed.layout() != Layout::Sparse {
@@ -41,7 +41,7 @@ pub fn matrix(compressed: &Compressed, progress: &dyn Progress) -> Result<Transf
             compressed.row_into(row, out);
             progress.advance(1)
         })?;
-        let matrix = TransferMatrix::from_dense(values, rows, shape.responses, basis)?;
+        let matrix = TransferMatrix::from_dense(values, rows, shape.responses, basis)?.with_responses(meaning)?;
         return Ok(if compressed.layout() == Layout::Samples { matrix.by_samples() } else { matrix });
     }
     let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
@@ -63,7 +63,7 @@ pub fn matrix(compressed: &Compressed, progress: &dyn Progress) -> Result<Transf
         }
         progress.advance(block.len() as u64)?;
     }
-    TransferMatrix::from_csr(offsets, columns, values, shape.responses, basis)
+    TransferMatrix::from_csr(offsets, columns, values, shape.responses, basis)?.with_responses(meaning)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::progress::Bar;
 use crate::registry::{method, registry};
 use crate::{memory, number, terminal};
 use clap::Args;
-use prt_transfer::LightBasis;
+use prt_transfer::{LightBasis, ResponseBasis};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -25,9 +25,9 @@ pub struct Encode {
     /// Where to write the compressed matrix
     #[arg(short, long, value_name = "FILE.prt")]
     pub output: PathBuf,
-    /// Rows of one sample, where the matrix does not say
-    #[arg(long, value_name = "M")]
-    pub responses: Option<usize>,
+    /// What the rows of one sample stand for, where the matrix does not say: their number, or irradiance, local:8, exit:24, terms:16:BRDF
+    #[arg(long, value_name = "RESPONSES")]
+    pub responses: Option<ResponseBasis>,
     /// What the columns stand for, where the matrix does not say: cubemap:32, latlong:64x32, sh:5 or plain:100
     #[arg(long, value_name = "BASIS")]
     pub basis: Option<LightBasis>,
@@ -54,7 +54,7 @@ pub fn run(arguments: &Encode) -> anyhow::Result<()> {
     // First, so that a wrong label is told before a large file is read.
     let (registry, bar) = (registry(), Bar::default());
     let method = method(&registry, &arguments.label)?;
-    let description = Description { responses: arguments.responses, basis: arguments.basis.clone() };
+    let description = Description { responses: arguments.responses.clone(), basis: arguments.basis.clone() };
     let matrix = files::read_matrix(&arguments.input, &description)?;
     let began = Instant::now();
     let (encoded, peak_encode_bytes) = memory::peak_of(|| method.encode(&matrix, &bar));

@@ -35,6 +35,8 @@ pub struct Info {
     pub lights: usize,
     /// What the columns stand for.
     pub basis: String,
+    /// What the responses of a sample stand for.
+    pub response_basis: String,
     /// What relighting holds in memory.
     pub resident_bytes: u64,
     /// The file.
@@ -60,6 +62,7 @@ impl Info {
             responses: shape.responses,
             lights: shape.lights,
             basis: compressed.basis().to_string(),
+            response_basis: compressed.responses().to_string(),
             resident_bytes: compressed.resident_bytes() as u64,
             file_bytes: file.len(),
             sections: sink.sizes().map(|(name, size)| (name.to_string(), size.into())).collect(),
@@ -77,6 +80,7 @@ impl Info {
                 self.samples, self.responses, self.lights
             ),
             format!("light basis      {}", self.basis),
+            format!("response basis   {}", self.response_basis),
             format!("resident         {}", number::bytes(self.resident_bytes)),
         ];
         for (name, size) in &self.sections {

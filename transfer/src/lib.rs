@@ -34,6 +34,7 @@ pub mod method;
 mod narrow;
 pub mod params;
 pub mod progress;
+pub mod responses;
 pub mod runs;
 #[cfg(feature = "scene")]
 pub mod scene;
@@ -51,5 +52,6 @@ pub use matrix::{Row, Shape, TransferMatrix};
 pub use method::{Compressed, Method, Registry};
 pub use params::{Field, Params};
 pub use progress::{Progress, Quiet};
+pub use responses::ResponseBasis;
 pub use sections::{Section, Sink, Source};
 pub use transform::{LightTransform, Transform};

@@ -2,6 +2,7 @@
 
 use crate::basis::LightBasis;
 use crate::error::{Error, Result};
+use crate::responses::ResponseBasis;
 use ndarray::{ArrayView2, ArrayViewMut2};
 use rayon::prelude::*;
 
@@ -136,6 +137,7 @@ pub struct TransferMatrix {
     layout: Layout,
     shape: Shape,
     basis: LightBasis,
+    responses: ResponseBasis,
     storage: Storage,
 }
 
@@ -181,7 +183,8 @@ impl TransferMatrix {
         if sparse.values.contains(&0.0) {
             sparse.drop_zeros();
         }
-        Ok(TransferMatrix { layout: Layout::Sparse, shape, basis, storage: Storage::Sparse(sparse) })
+        let responses = ResponseBasis::Plain { responses };
+        Ok(TransferMatrix { layout: Layout::Sparse, shape, basis, responses, storage: Storage::Sparse(sparse) })
     }
 
     /// A dense matrix from row-major values, rows x lights, all finite.
@@ -197,7 +200,8 @@ impl TransferMatrix {
         if let Some(at) = bad {
             return Err(Error::NotFinite { row: at / shape.lights, col: at % shape.lights, value: values[at].into() });
         }
-        Ok(TransferMatrix { layout: Layout::Rows, shape, basis, storage: Storage::Dense(values) })
+        let responses = ResponseBasis::Plain { responses };
+        Ok(TransferMatrix { layout: Layout::Rows, shape, basis, responses, storage: Storage::Dense(values) })
     }
 
     /// Samples, responses and lights.
@@ -215,6 +219,10 @@ impl TransferMatrix {
     /// What the columns stand for.
     pub fn basis(&self) -> &LightBasis {
         &self.basis
+    }
+    /// What the responses of a sample stand for.
+    pub fn responses(&self) -> &ResponseBasis {
+        &self.responses
     }
     /// How the matrix came.
     pub fn layout(&self) -> Layout {
@@ -270,6 +278,11 @@ impl TransferMatrix {
     pub fn with_basis(self, basis: LightBasis) -> Result<TransferMatrix> {
         Error::expect_size(format!("lights of basis {basis}"), self.shape.lights, basis.lights())?;
         Ok(TransferMatrix { basis, ..self })
+    }
+    /// The same matrix with other responses' meaning; their number must agree.
+    pub fn with_responses(self, responses: ResponseBasis) -> Result<TransferMatrix> {
+        Error::expect_size(format!("responses of basis {responses}"), self.shape.responses, responses.responses())?;
+        Ok(TransferMatrix { responses, ..self })
     }
     /// Reference relighting, accumulated in `f64`: `out` (rows x channels) = T · `lights` (lights x channels).
     pub fn apply_into(&self, lights: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) -> Result<()> {

@@ -8,6 +8,7 @@ use crate::label::{Label, Stage};
 use crate::matrix::{Layout, Row, Shape, TransferMatrix, check_apply};
 use crate::params::{Field, Params};
 use crate::progress::Progress;
+use crate::responses::ResponseBasis;
 use crate::sections::{Section, Sink, Source};
 use crate::transform::{LightTransform, Transform};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
@@ -25,6 +26,7 @@ pub struct Compressed {
     label: Label,
     tag: &'static str,
     basis: LightBasis,
+    responses: ResponseBasis,
     layout: Layout,
     shape: Shape,
     transform: Box<dyn LightTransform>,
@@ -42,6 +44,8 @@ pub struct Header {
     pub shape: Shape,
     /// What T's columns stand for.
     pub basis: LightBasis,
+    /// What the responses of a sample stand for.
+    pub responses: ResponseBasis,
     /// How T came.
     pub layout: Layout,
 }
@@ -159,6 +163,7 @@ impl Registry {
     /// A compressed matrix from its header and sections.
     pub fn restore(&self, header: &Header, sections: Vec<Section>) -> Result<Compressed> {
         Error::expect_size("lights of the basis", header.shape.lights, header.basis.lights())?;
+        Error::expect_size("responses of the basis", header.shape.responses, header.responses.responses())?;
         let mut source = Source::new(sections)?;
         let transform = self.transform_named(&header.label.transform)?.restore(&header.basis, &mut source)?;
         let known = || self.codecs.iter().map(|e| e.tag).collect::<Vec<_>>().join(", ");
@@ -180,6 +185,7 @@ impl Registry {
             label: header.label.clone(),
             tag: entry.tag,
             basis: header.basis.clone(),
+            responses: header.responses.clone(),
             layout: header.layout,
             shape: header.shape,
             transform,
@@ -226,6 +232,7 @@ impl Method {
             label: self.label.clone(),
             tag: self.codec.tag(),
             basis: matrix.basis().clone(),
+            responses: matrix.responses().clone(),
             layout: matrix.layout(),
             shape: matrix.shape(),
             transform,
@@ -259,7 +266,7 @@ pub fn transform_rows(
             .par_chunks_mut(to.max(1))
             .enumerate()
             .try_for_each_init(Vec::new, |buffer, (row, out)| row_into(row, buffer, out))?;
-        return TransferMatrix::from_dense(values, rows, responses, basis);
+        return TransferMatrix::from_dense(values, rows, responses, basis)?.with_responses(matrix.responses().clone());
     }
     // Blocks keep the sparse rows in order while threads fill them.
     const BLOCK: usize = 256;
@@ -291,7 +298,7 @@ pub fn transform_rows(
         columns.extend(block_columns);
         values.extend(block_values);
     }
-    TransferMatrix::from_csr(offsets, columns, values, responses, basis)
+    TransferMatrix::from_csr(offsets, columns, values, responses, basis)?.with_responses(matrix.responses().clone())
 }
 
 impl Compressed {
@@ -307,6 +314,10 @@ impl Compressed {
     pub fn basis(&self) -> &LightBasis {
         &self.basis
     }
+    /// What the responses of a sample stand for.
+    pub fn responses(&self) -> &ResponseBasis {
+        &self.responses
+    }
     /// How T came.
     pub fn layout(&self) -> Layout {
         self.layout
@@ -318,6 +329,7 @@ impl Compressed {
             tag: self.tag.into(),
             shape: self.shape,
             basis: self.basis.clone(),
+            responses: self.responses.clone(),
             layout: self.layout,
         }
     }

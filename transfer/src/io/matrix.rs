@@ -4,6 +4,7 @@ use super::{extension, mtx, npy, npz, unknown_extension};
 use crate::basis::LightBasis;
 use crate::error::{Error, Result};
 use crate::matrix::{Layout, TransferMatrix};
+use crate::responses::ResponseBasis;
 use std::path::Path;
 
 const KNOWN: &str = ".npz (scipy.sparse), .npy (NumPy), .mtx (MatrixMarket)";
@@ -11,20 +12,32 @@ const KNOWN: &str = ".npz (scipy.sparse), .npy (NumPy), .mtx (MatrixMarket)";
 /// What a bare matrix file leaves out. Whatever the file itself says must agree.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Description {
-    /// Rows of one sample; 1 where neither the file nor the caller says otherwise.
-    pub responses: Option<usize>,
+    /// What the rows of one sample stand for; one plain number where neither the file nor the caller says otherwise.
+    pub responses: Option<ResponseBasis>,
     /// What the columns stand for; plain coefficients where neither the file nor the caller says otherwise.
     pub basis: Option<LightBasis>,
 }
 
 impl Description {
     /// The caller's description and the file's together; `lights` columns have been found. Contradictions are refused.
-    pub(super) fn and(&self, file: Description, lights: usize) -> Result<(usize, LightBasis)> {
-        let responses = agree("responses per sample", self.responses, file.responses)?.unwrap_or(1);
+    pub(super) fn and(&self, file: Description, lights: usize) -> Result<(ResponseBasis, LightBasis)> {
+        let responses = agree_on_responses(self.responses.clone(), file.responses)?;
         let basis = agree("light basis", self.basis.clone(), file.basis)?.unwrap_or(LightBasis::Plain { lights });
         Error::expect_size(format!("columns of the matrix for light basis {basis}"), basis.lights(), lights)?;
         Ok((responses, basis))
     }
+}
+
+/// As [`agree`]; a plain number and a meaning agree where the numbers do, and the meaning holds.
+fn agree_on_responses(given: Option<ResponseBasis>, carried: Option<ResponseBasis>) -> Result<ResponseBasis> {
+    let same = given.as_ref().zip(carried.as_ref()).is_some_and(|(a, b)| a.responses() == b.responses());
+    let (given, carried) = match (given, carried) {
+        (Some(given), carried) if same && given.is_plain() => (None, carried),
+        (given, Some(carried)) if same && carried.is_plain() => (given, None),
+        other => other,
+    };
+    let plain = ResponseBasis::Plain { responses: 1 };
+    Ok(agree("responses of a sample", given, carried)?.unwrap_or(plain))
 }
 
 fn agree<T: PartialEq + ToString>(what: &str, given: Option<T>, carried: Option<T>) -> Result<Option<T>> {
@@ -49,7 +62,7 @@ pub fn read(path: impl AsRef<Path>, description: &Description) -> Result<Transfe
     }
 }
 
-/// Writes `.npz`, `.npy` or `.mtx`. Only `.npz` carries responses and basis; `.npy` keeps samples x responses x lights where
+/// Writes `.npz`, `.npy` or `.mtx`. Only `.npz` carries the meaning of rows and columns; `.npy` keeps samples x responses x lights where
 /// the matrix came so.
 pub fn write(path: impl AsRef<Path>, matrix: &TransferMatrix) -> Result<()> {
     let path = path.as_ref();

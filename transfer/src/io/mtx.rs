@@ -222,7 +222,7 @@ impl<R: BufRead> Lines<R> {
             }
         }
         let (responses, basis) = description.and(Description::default(), lights)?;
-        TransferMatrix::from_dense(values, rows, responses, basis)
+        TransferMatrix::from_dense(values, rows, responses.responses(), basis)?.with_responses(responses)
     }
 }
 

@@ -11,6 +11,7 @@ use super::triplets::{lights, rows_of};
 use super::{Place, open};
 use crate::error::{Error, Result};
 use crate::matrix::{Layout, Shape, TransferMatrix};
+use crate::responses::ResponseBasis;
 use ndarray::{Array2, ArrayView2};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
@@ -36,8 +37,9 @@ pub fn read_from(source: impl Read + Seek, description: &Description) -> Result<
     };
     let lights = lights(columns as u64)?;
     let rows = rows_of(rows as u64, lights)?;
-    let (responses, basis) = description.and(Description { responses: carried, basis: None }, lights)?;
-    let matrix = TransferMatrix::from_dense(values, rows, responses, basis)?;
+    let in_file = carried.map(|responses| ResponseBasis::Plain { responses });
+    let (responses, basis) = description.and(Description { responses: in_file, basis: None }, lights)?;
+    let matrix = TransferMatrix::from_dense(values, rows, responses.responses(), basis)?.with_responses(responses)?;
     Ok(if carried.is_some() { matrix.by_samples() } else { matrix })
 }
 

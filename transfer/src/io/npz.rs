@@ -3,7 +3,7 @@
 //! Read: `csr`, `csc` and `coo` (canonical or not: columns are sorted and duplicates summed, as scipy does), any numeric data
 //! type taken at its value, 32- or 64-bit indices, entries stored or deflated. Written: `csr` with `f32` data, which
 //! `scipy.sparse.load_npz` reads, and one more entry `prt.npy`, an array of bytes whose JSON says what the rows and columns
-//! are: `{"responses": 64, "basis": "cubemap:32", "signal": "…"}`.
+//! are: `{"responses": 64, "response_basis": "local:8", "basis": "cubemap:32", "signal": "…"}`.
 
 use super::atomic;
 use super::element::{Elements, Values, overflow};
@@ -13,6 +13,7 @@ use super::triplets::{SparseParts, Triplets, lights};
 use super::{Place, broken, open};
 use crate::error::{Error, Result};
 use crate::matrix::TransferMatrix;
+use crate::responses::ResponseBasis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::{Cursor, Read, Seek, Write};
@@ -39,6 +40,8 @@ pub struct Signal {
 #[derive(Default, Serialize, Deserialize)]
 struct Note {
     responses: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    response_basis: Option<String>,
     basis: Option<String>,
     #[serde(default)]
     signal: String,
@@ -64,7 +67,11 @@ pub fn read_from(source: impl Read + Seek, description: &Description) -> Result<
         }
     };
     let basis = note.basis.map(|text| text.parse()).transpose()?;
-    let carried = Description { responses: note.responses, basis };
+    let responses = match (note.response_basis, note.responses) {
+        (Some(text), _) => Some(text.parse()?),
+        (None, number) => number.map(|responses| ResponseBasis::Plain { responses }),
+    };
+    let carried = Description { responses, basis };
     Ok(Signal { matrix: parts.matrix(description, carried)?, signal: note.signal })
 }
 
@@ -209,6 +216,7 @@ pub fn write(path: impl AsRef<Path>, matrix: &TransferMatrix, signal: &str) -> R
 pub fn to_bytes(matrix: &TransferMatrix, signal: &str) -> Result<Vec<u8>> {
     let note = Note {
         responses: Some(matrix.shape().responses),
+        response_basis: Some(matrix.responses()).filter(|r| !r.is_plain()).map(ToString::to_string),
         basis: Some(matrix.basis().to_string()),
         signal: signal.into(),
     };

@@ -13,8 +13,9 @@ use crate::sections::Section;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Version of the container; a reader reads every version up to its own.
-pub const VERSION: u32 = 1;
+/// Version of the container; a reader reads every version up to its own, and a writer writes the first that can say everything:
+/// 1, or 2 where it is known what the responses stand for.
+pub const VERSION: u32 = 2;
 /// Sections that one file may have.
 pub const MAX_SECTIONS: usize = 256;
 /// Bytes of a section's name.

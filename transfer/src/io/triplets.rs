@@ -61,7 +61,8 @@ impl SparseParts {
         if legal && !self.offsets.windows(2).all(canonical) {
             self.sort_and_sum();
         }
-        TransferMatrix::from_csr(self.offsets, self.columns, self.values, responses, basis)
+        TransferMatrix::from_csr(self.offsets, self.columns, self.values, responses.responses(), basis)?
+            .with_responses(responses)
     }
 
     fn sort_and_sum(&mut self) {

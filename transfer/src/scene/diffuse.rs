@@ -6,9 +6,62 @@ use crate::basis::LightBasis;
 use crate::error::{Error, Result};
 use crate::matrix::TransferMatrix;
 use crate::progress::Progress;
-use crate::scene::signal::{Sampling, Surface, Traced, for_each_point};
+use crate::responses::ResponseBasis;
+use crate::scene::dense::{self, DenseSignal};
+use crate::scene::signal::{Samples, Sampling, Surface, Traced};
 use crate::sh::Harmonics;
 use rayon::prelude::*;
+
+/// Shadowed irradiance in one light basis.
+pub struct Diffuse {
+    samples: Samples,
+    basis: LightBasis,
+    /// Bands of the light's harmonics; 0 for texels.
+    order: usize,
+    /// Harmonics of every lane, lanes x order².
+    harmonics: Vec<f64>,
+}
+
+impl Diffuse {
+    /// In `basis`: a cubemap of the sampling's resolution, or spherical harmonics.
+    pub fn new(sampling: &Sampling, basis: &LightBasis) -> Result<Diffuse> {
+        let samples = sampling.samples()?;
+        let order = order_of(sampling, basis)?;
+        let harmonics_at = Harmonics::new(order.max(1))?;
+        let mut harmonics = vec![0f64; samples.lanes().len() * order * order];
+        harmonics.par_chunks_exact_mut((order * order).max(1)).zip(samples.lanes()).for_each(|(y, sample)| {
+            harmonics_at.evaluate(sample.direction.to_array().map(f64::from), y);
+        });
+        Ok(Diffuse { samples, basis: basis.clone(), order, harmonics })
+    }
+}
+
+impl DenseSignal for Diffuse {
+    fn basis(&self) -> LightBasis {
+        self.basis.clone()
+    }
+    fn responses(&self) -> ResponseBasis {
+        ResponseBasis::Irradiance
+    }
+    fn samples(&self) -> &Samples {
+        &self.samples
+    }
+    fn rows_into(&self, surface: &Surface, point: usize, visible: &mut dyn Iterator<Item = usize>, out: &mut [f32]) {
+        let (normal, order) = (surface.frames[point].normal, self.order);
+        let mut row = vec![0f64; out.len()];
+        for lane in visible {
+            let sample = &self.samples.lanes()[lane];
+            let weight = f64::from(sample.direction.dot(normal).max(0.0)) * sample.solid_angle;
+            if order == 0 {
+                row[sample.texel as usize] += weight;
+            } else {
+                let y = &self.harmonics[lane * order * order..][..order * order];
+                row.iter_mut().zip(y).for_each(|(t, y)| *t += weight * y);
+            }
+        }
+        out.iter_mut().zip(row).for_each(|(out, t)| *out = t as f32);
+    }
+}
 
 /// The matrix `points x lights` of `basis`: a cubemap of the sampling's resolution, or spherical harmonics.
 pub fn diffuse(
@@ -17,30 +70,7 @@ pub fn diffuse(
     basis: &LightBasis,
     progress: &dyn Progress,
 ) -> Result<(TransferMatrix, Traced)> {
-    let samples = sampling.samples()?;
-    let order = order_of(sampling, basis)?;
-    let harmonics_at = Harmonics::new(order.max(1))?;
-    let mut harmonics = vec![0f64; samples.lanes().len() * order * order];
-    harmonics.par_chunks_exact_mut((order * order).max(1)).zip(samples.lanes()).for_each(|(y, sample)| {
-        harmonics_at.evaluate(sample.direction.to_array().map(f64::from), y);
-    });
-    let (rows, traced) = for_each_point(surface, &samples, progress, |point, visible| {
-        let normal = surface.frames[point].normal;
-        let mut row = vec![0f64; basis.lights()];
-        for lane in visible {
-            let sample = &samples.lanes()[lane];
-            let weight = f64::from(sample.direction.dot(normal).max(0.0)) * sample.solid_angle;
-            if order == 0 {
-                row[sample.texel as usize] += weight;
-            } else {
-                let y = &harmonics[lane * order * order..][..order * order];
-                row.iter_mut().zip(y).for_each(|(t, y)| *t += weight * y);
-            }
-        }
-        row.into_iter().map(|t| t as f32).collect::<Vec<f32>>()
-    })?;
-    let matrix = TransferMatrix::from_dense(rows.concat(), surface.points.len(), 1, basis.clone())?;
-    Ok((matrix, traced))
+    dense::matrix(&Diffuse::new(sampling, basis)?, surface, progress)
 }
 
 /// The order of the spherical harmonics, 0 for the sampled cubemap; any other basis is refused.

@@ -5,6 +5,7 @@
 
 pub mod biscale;
 pub mod bvh;
+pub mod dense;
 pub mod diffuse;
 pub mod directions;
 mod edges;

@@ -42,17 +42,17 @@ pub struct Traced {
 }
 
 /// One direction of the batch and the part of the sphere that it stands for.
-pub(crate) struct Sample {
+pub struct Sample {
     /// Unit direction.
-    pub(crate) direction: Vec3,
+    pub direction: Vec3,
     /// The texel that it lies in: a column of a cubemap basis.
-    pub(crate) texel: u32,
+    pub texel: u32,
     /// Solid angle in sr; those of all samples add up to 4π.
-    pub(crate) solid_angle: f64,
+    pub solid_angle: f64,
 }
 
 /// All samples of a [`Sampling`], beside the tiles that visibility is answered in.
-pub(crate) struct Samples {
+pub struct Samples {
     directions: Directions,
     /// 64 a tile, in the order of its bits.
     lanes: Vec<Sample>,
@@ -65,7 +65,7 @@ impl Sampling {
     }
 
     /// The samples, after checking the ranges.
-    pub(crate) fn samples(&self) -> Result<Samples> {
+    pub fn samples(&self) -> Result<Samples> {
         if !(1..=512).contains(&self.resolution) {
             return Err(Self::refuse("resolution", self.resolution, "from 1 to 512"));
         }
@@ -113,35 +113,48 @@ impl Samples {
     }
 
     /// The sample of each lane; a lane without one has a texel that does not exist.
-    pub(crate) fn lanes(&self) -> &[Sample] {
+    pub fn lanes(&self) -> &[Sample] {
         &self.lanes
     }
 }
 
-/// Runs `signal(point, visible)` for every surface point on all cores and keeps the results in order; `visible` are the
-/// lanes of the samples above the point's horizon that nothing occludes.
+/// Points of one batch for each thread: what is computed before anything is handed on.
+const BATCH: usize = 32;
+
+/// Runs `signal(point, visible)` for every surface point on all cores and hands the results to `take` in the order of the points,
+/// batch by batch, so that they need not all be in memory; `visible` are the lanes of the samples above the point's horizon
+/// that nothing occludes.
 pub(crate) fn for_each_point<T: Send>(
     surface: &Surface,
     samples: &Samples,
     progress: &dyn Progress,
     signal: impl Fn(usize, &mut dyn Iterator<Item = usize>) -> T + Sync,
-) -> Result<(Vec<T>, Traced)> {
+    mut take: impl FnMut(T) -> Result<()> + Send,
+) -> Result<Traced> {
     Error::expect_size("frames beside surface points", surface.points.len(), surface.frames.len())?;
     progress.start("precompute", surface.points.len() as u64);
     let (rays, nanoseconds) = (AtomicU64::new(0), AtomicU64::new(0));
-    let results = (0..surface.points.len())
-        .into_par_iter()
-        .map_init(
-            || vec![0u64; samples.directions.tiles()],
-            |masks, point| {
-                let (start, normal) = (Instant::now(), surface.frames[point].normal);
-                let answered = surface.occluders.visible(surface.points[point], normal, &samples.directions, masks);
-                nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Relaxed);
-                rays.fetch_add(answered, Relaxed);
-                progress.advance(1)?;
-                Ok(signal(point, &mut samples.set(masks)))
-            },
-        )
-        .collect::<Result<Vec<T>>>()?;
-    Ok((results, Traced { rays: rays.into_inner(), seconds: nanoseconds.into_inner() as f64 * 1e-9 }))
+    let at = |masks: &mut Vec<u64>, point: usize| {
+        let (start, normal) = (Instant::now(), surface.frames[point].normal);
+        let answered = surface.occluders.visible(surface.points[point], normal, &samples.directions, masks);
+        nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Relaxed);
+        rays.fetch_add(answered, Relaxed);
+        progress.advance(1)?;
+        Ok(signal(point, &mut samples.set(masks)))
+    };
+    let batch = BATCH * rayon::current_num_threads();
+    let mut ready: Vec<T> = Vec::new();
+    for first in (0..surface.points.len()).step_by(batch) {
+        let points = first..surface.points.len().min(first + batch);
+        let masks = || vec![0u64; samples.directions.tiles()];
+        // One thread hands on what is ready while the others compute.
+        let (taken, next) = rayon::join(
+            || ready.into_iter().try_for_each(&mut take),
+            || points.into_par_iter().map_init(masks, at).collect::<Result<Vec<T>>>(),
+        );
+        taken?;
+        ready = next?;
+    }
+    ready.into_iter().try_for_each(take)?;
+    Ok(Traced { rays: rays.into_inner(), seconds: nanoseconds.into_inner() as f64 * 1e-9 })
 }

@@ -5,9 +5,13 @@ use proptest::prelude::*;
 use prt_transfer::io::matrix::{self, Description};
 use prt_transfer::io::{mtx, npy, npz};
 use prt_transfer::matrix::Layout;
-use prt_transfer::{LightBasis, Shape, TransferMatrix};
+use prt_transfer::{LightBasis, ResponseBasis, Shape, TransferMatrix};
 use std::io::{Cursor, Write};
 use zip::write::SimpleFileOptions;
+
+fn plain(responses: usize) -> ResponseBasis {
+    ResponseBasis::Plain { responses }
+}
 
 const BARE: Description = Description { responses: None, basis: None };
 
@@ -101,7 +105,7 @@ proptest! {
             let path = folder.path().join(format!("T.{extension}"));
             matrix::write(&path, &matrix).unwrap();
             let shape = matrix.shape();
-            let given = Description { responses: Some(shape.responses), basis: Some(matrix.basis().clone()) };
+            let given = Description { responses: Some(plain(shape.responses)), basis: Some(matrix.basis().clone()) };
             // Three-dimensional arrays carry responses themselves; a disagreement would be an error.
             let read = matrix::read(&path, &given).unwrap();
             prop_assert_eq!(read.shape(), shape);
@@ -110,7 +114,7 @@ proptest! {
         }
         let npz = matrix::read(folder.path().join("T.npz"), &BARE).unwrap();
         prop_assert_eq!((npz.shape(), npz.basis()), (matrix.shape(), matrix.basis()));
-        let npy = matrix::read(folder.path().join("T.npy"), &Description { responses: Some(matrix.shape().responses), basis: None }).unwrap();
+        let npy = matrix::read(folder.path().join("T.npy"), &Description { responses: Some(plain(matrix.shape().responses)), basis: None }).unwrap();
         prop_assert_eq!(npy.layout() == Layout::Samples, matrix.layout() == Layout::Samples);
         if matrix.is_sparse() {
             prop_assert_eq!(npz, matrix);
@@ -120,25 +124,42 @@ proptest! {
 
 #[test]
 fn an_archive_carries_responses_basis_and_signal_and_refuses_to_be_contradicted() {
-    let matrix = TransferMatrix::from_csr(vec![0, 1, 1], vec![5], vec![0.25], 2, LightBasis::Cubemap { resolution: 1 });
-    let bytes = npz::to_bytes(&matrix.unwrap(), "biscale of a \"teapot\"").unwrap();
+    let basis = LightBasis::Cubemap { resolution: 1 };
+    let matrix = TransferMatrix::from_csr(vec![0, 1, 1], vec![5], vec![0.25], 2, basis).unwrap();
+    let bytes = npz::to_bytes(&matrix, "biscale of a \"teapot\"").unwrap();
     let read = npz::read_from(Cursor::new(&bytes), &BARE).unwrap();
     assert_eq!(read.signal, "biscale of a \"teapot\"");
     assert_eq!(read.matrix.shape(), Shape { samples: 1, responses: 2, lights: 6 });
-    let with = |responses, basis: Option<&str>| {
+    let with = |responses: Option<usize>, basis: Option<&str>| {
         let basis = basis.map(|b| b.parse().unwrap());
-        npz::read_from(Cursor::new(&bytes), &Description { responses, basis })
+        npz::read_from(Cursor::new(&bytes), &Description { responses: responses.map(plain), basis })
     };
     assert!(with(Some(2), Some("cubemap:1")).is_ok());
-    names(with(Some(1), None), "responses per sample");
+    names(with(Some(1), None), "responses of a sample");
     names(with(None, Some("plain:6")), "light basis");
     names(
         npy::read_from(
             Cursor::new(array_file("|u1", false, "(1, 2, 3)", &[0; 6])),
-            &Description { responses: Some(1), basis: None },
+            &Description { responses: Some(plain(1)), basis: None },
         ),
-        "responses per sample",
+        "responses of a sample",
     );
+}
+
+#[test]
+fn an_archive_carries_what_responses_stand_for_and_a_bare_number_agrees_with_it() {
+    let terms = "terms:2:phong:exponent=9".parse::<ResponseBasis>().unwrap();
+    let basis = LightBasis::Plain { lights: 6 };
+    let matrix = TransferMatrix::from_csr(vec![0, 1, 1], vec![5], vec![0.25], 2, basis).unwrap();
+    let known = matrix.with_responses(terms.clone()).unwrap();
+    let bytes = npz::to_bytes(&known, "").unwrap();
+    let with = |responses| npz::read_from(Cursor::new(&bytes), &Description { responses, basis: None });
+    for given in [None, Some(plain(2)), Some(terms)] {
+        assert_eq!(with(given).unwrap().matrix, known);
+    }
+    names(with(Some(plain(1))), "responses of a sample");
+    names(with(Some("terms:2:lambert".parse().unwrap())), "responses of a sample");
+    assert!(known.with_responses(ResponseBasis::Irradiance).is_err());
 }
 
 #[test]

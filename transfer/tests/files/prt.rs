@@ -15,6 +15,11 @@ fn registry() -> Registry {
 /// 60 samples x 2 responses over 24 texels: row r holds (r mod 5) / 4 in columns r, r + 7, r + 14 (mod 24), none in every
 /// fifth row.
 fn matrix() -> TransferMatrix {
+    matrix_of(2)
+}
+
+/// The same with other numbers of responses, divisors of 120.
+fn matrix_of(responses: usize) -> TransferMatrix {
     let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     for row in 0..120u32 {
         let mut own: Vec<u32> = (0..3).map(|k| (row + 7 * k) % 24).collect();
@@ -25,7 +30,7 @@ fn matrix() -> TransferMatrix {
         }
         offsets.push(columns.len());
     }
-    TransferMatrix::from_csr(offsets, columns, values, 2, LightBasis::Cubemap { resolution: 2 }).unwrap()
+    TransferMatrix::from_csr(offsets, columns, values, responses, LightBasis::Cubemap { resolution: 2 }).unwrap()
 }
 
 fn compress(matrix: &TransferMatrix) -> Compressed {
@@ -69,6 +74,21 @@ fn what_is_written_agrees_with_the_golden_file() {
         sections.into_iter().map(|s| (s.name, s.raw, s.crc)).collect::<Vec<_>>()
     };
     assert_eq!(raw(&bytes), raw(GOLDEN));
+}
+
+/// What version 1 cannot say makes a version 2; everything else stays a version 1.
+#[test]
+fn the_meaning_of_responses_comes_back_and_is_what_raises_the_version() {
+    let version = |bytes: &[u8]| u32::from_le_bytes(bytes[8..12].try_into().unwrap());
+    assert_eq!(version(&prt::to_bytes(&compress(&matrix())).unwrap()), 1);
+    for text in ["exit_orthonormal:3", "terms:3:lambert:albedo=0.5"] {
+        let known = matrix_of(3).with_responses(text.parse().unwrap()).unwrap();
+        let bytes = prt::to_bytes(&compress(&known)).unwrap();
+        assert_eq!(version(&bytes), 2);
+        let read = prt::from_bytes(&bytes, &registry()).unwrap();
+        assert_eq!(read.responses().to_string(), text);
+        assert_eq!(read.header(), compress(&known).header());
+    }
 }
 
 /// The layout of docs/format.md, followed by hand.
@@ -204,7 +224,7 @@ fn damage_is_told_by_its_place() {
     names(read(&flipped(20)), "header checksum");
     names(read(&flipped(end + 30)), "section 'index/offsets'");
     names(read(&flipped(GOLDEN.len() - 3)), "section 'weights/values'");
-    names(read(&forged(8, 2)), "version 2");
+    names(read(&forged(8, 3)), "version 3");
     names(read(&[GOLDEN, b"x"].concat()), "end of the file");
     names(read(&GOLDEN[..GOLDEN.len() - 1]), "end of the file");
     // The tag csr.1 becomes csr.9; the layout becomes 7.

@@ -5,6 +5,7 @@ use super::{Encoding, MAX_NAME, MAX_SECTIONS, SectionInfo, VERSION, too_large};
 use crate::error::{Error, Result};
 use crate::matrix::{Layout, Shape};
 use crate::method::Header;
+use crate::responses::ResponseBasis;
 
 /// As PNG's: catches transfers that strip the eighth bit or change line ends.
 const MAGIC: [u8; 8] = *b"\x89PRT\r\n\x1a\n";
@@ -15,13 +16,17 @@ const CHECKSUM: usize = 4;
 
 pub(super) fn header(header: &Header, sections: &[&SectionInfo]) -> Result<Vec<u8>> {
     let mut bytes = MAGIC.to_vec();
-    bytes.extend(VERSION.to_le_bytes());
+    let version = if header.responses.is_plain() { 1 } else { VERSION };
+    bytes.extend(version.to_le_bytes());
     bytes.extend([0; 4]);
     text(&mut bytes, "bytes of the label", &header.label.to_string())?;
     text(&mut bytes, "bytes of the codec's tag", &header.tag)?;
     let Shape { samples, responses, lights } = header.shape;
     [samples, responses, lights].iter().for_each(|&n| bytes.extend((n as u64).to_le_bytes()));
     text(&mut bytes, "bytes of the light basis", &header.basis.to_string())?;
+    if version > 1 {
+        text(&mut bytes, "bytes of the response basis", &header.responses.to_string())?;
+    }
     bytes.push(match header.layout {
         Layout::Sparse => 0,
         Layout::Rows => 1,
@@ -45,7 +50,7 @@ pub(super) fn header(header: &Header, sections: &[&SectionInfo]) -> Result<Vec<u
         bytes.extend(section.stored.to_le_bytes());
         bytes.extend(section.crc.to_le_bytes());
     }
-    // At most 3 x 65,535 + 256 x 86 bytes and a few.
+    // At most 4 x 65,535 + 256 x 86 bytes and a few.
     let length = (bytes.len() - PREFIX + CHECKSUM) as u32;
     bytes[PREFIX - 4..PREFIX].copy_from_slice(&length.to_le_bytes());
     let checksum = crc32fast::hash(&bytes);
@@ -68,8 +73,8 @@ pub(super) fn read_header(bytes: &[u8]) -> Result<(Header, Vec<SectionInfo>, usi
         return Err(broken("prt", "byte 0", "\\x89PRT\\r\\n\\x1a\\n", magic.escape_ascii().to_string()));
     }
     let version = fields.u32("the version")?;
-    if version != VERSION {
-        return Err(broken("prt", "byte 8", format!("version {VERSION}"), format!("version {version}")));
+    if !(1..=VERSION).contains(&version) {
+        return Err(broken("prt", "byte 8", format!("a version up to {VERSION}"), format!("version {version}")));
     }
     let length = fields.u32("the header's length")? as usize;
     let end = length.checked_add(PREFIX).filter(|&end| length >= CHECKSUM && end <= bytes.len());
@@ -83,13 +88,15 @@ pub(super) fn read_header(bytes: &[u8]) -> Result<(Header, Vec<SectionInfo>, usi
         return Err(broken("prt", format!("byte {}", end - CHECKSUM), format!("header checksum {crc:08x}"), "another"));
     }
     fields.bytes = covered;
-    let header = Header {
-        label: fields.text("the label")?.parse()?,
-        tag: fields.text("the codec's tag")?.into(),
-        shape: fields.shape()?,
-        basis: fields.text("the light basis")?.parse()?,
-        layout: fields.layout()?,
+    let label = fields.text("the label")?.parse()?;
+    let tag = fields.text("the codec's tag")?.into();
+    let shape = fields.shape()?;
+    let basis = fields.text("the light basis")?.parse()?;
+    let responses = match version {
+        1 => ResponseBasis::Plain { responses: shape.responses },
+        _ => fields.text("the response basis")?.parse()?,
     };
+    let header = Header { label, tag, shape, basis, responses, layout: fields.layout()? };
     let sections = fields.sections()?;
     if fields.at != covered.len() {
         return Err(fields.broken("the end of the header", format!("{} more bytes", covered.len() - fields.at)));

@@ -1,0 +1,162 @@
+//! What the responses of a sample stand for.
+//!
+//! The rows of a sample are coefficients of what leaves it. With weights `w_r(v)` that depend on the local view direction `v`, the
+//! radiance towards `v` is `Σ_r w_r(v) y_r` for the sample's responses `y = T x`. As on the side of the lights
+//! ([`crate::basis`]), a squared error of responses is an error of radiance only in the metric of their functions: the Gram matrix
+//! `A_ij = ∫ w_i w_j dv` over the hemisphere.
+
+use crate::error::{Error, Result};
+use crate::matrix::MAX_LIGHTS;
+use std::fmt;
+use std::str::FromStr;
+
+/// The response basis of a transfer matrix's rows. Written as `plain:64`, `irradiance`, `local:8`, `exit:24`,
+/// `exit_orthonormal:24` or `terms:16:BRDF`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum ResponseBasis {
+    /// Numbers without a meaning that is known.
+    Plain {
+        /// How many.
+        responses: usize,
+    },
+    /// One response: irradiance in W/m², of a Lambertian surface.
+    Irradiance,
+    /// Light that arrives from around `edge`² directions in the sample's frame, see [`crate::hemisphere::local_directions`].
+    LocalDirections {
+        /// Directions along an edge of the square.
+        edge: usize,
+    },
+    /// Exit radiance in real spherical harmonics on the hemisphere around the normal (Sloan et al. 2003, appendix): order²
+    /// functions, or order² - 1 without the one of l = 1, m = 0, which the others nearly make up. They are not orthonormal there.
+    Exit {
+        /// How many functions.
+        coefficients: usize,
+        /// Which coefficients of them.
+        coordinates: Coordinates,
+    },
+    /// View-dependent functions φ_k of a BRDF that was factored into views and lights (Tsai and Shih 2006, Eq. 9), orthonormal
+    /// over the hemisphere of views.
+    Terms {
+        /// How many functions.
+        terms: usize,
+        /// The BRDF, from which the functions are computed anew.
+        brdf: String,
+    },
+}
+
+/// Coordinates of exit radiance f on the hemisphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Coordinates {
+    /// c: f = Σ c_i y_i by least squares, the paper's. A squared error in them is no error of radiance: `∫ f² = cᵀ A c`.
+    Harmonics,
+    /// d = Lᵀ c with A = L Lᵀ: those of the same functions made orthonormal in the order of their bands. `∫ f² = |d|²`, so that any
+    /// codec that minimises squared error minimises that of radiance.
+    Orthonormal,
+}
+
+/// The largest order of harmonics on the hemisphere; beyond it f64 cannot tell them apart.
+pub const MAX_EXIT_ORDER: usize = 10;
+
+impl ResponseBasis {
+    /// Responses of a sample.
+    pub fn responses(&self) -> usize {
+        match *self {
+            ResponseBasis::Plain { responses } => responses,
+            ResponseBasis::Irradiance => 1,
+            ResponseBasis::LocalDirections { edge } => edge * edge,
+            ResponseBasis::Exit { coefficients, .. } => coefficients,
+            ResponseBasis::Terms { terms, .. } => terms,
+        }
+    }
+
+    /// Whether nothing is known but their number.
+    pub fn is_plain(&self) -> bool {
+        matches!(self, ResponseBasis::Plain { .. })
+    }
+}
+
+impl fmt::Display for ResponseBasis {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ResponseBasis::Plain { responses } => write!(f, "plain:{responses}"),
+            ResponseBasis::Irradiance => f.write_str("irradiance"),
+            ResponseBasis::LocalDirections { edge } => write!(f, "local:{edge}"),
+            ResponseBasis::Exit { coefficients, coordinates: Coordinates::Harmonics } => {
+                write!(f, "exit:{coefficients}")
+            }
+            ResponseBasis::Exit { coefficients, coordinates: Coordinates::Orthonormal } => {
+                write!(f, "exit_orthonormal:{coefficients}")
+            }
+            ResponseBasis::Terms { terms, brdf } => write!(f, "terms:{terms}:{brdf}"),
+        }
+    }
+}
+
+impl FromStr for ResponseBasis {
+    type Err = Error;
+
+    /// A number alone is a plain basis.
+    fn from_str(text: &str) -> Result<ResponseBasis> {
+        let refuse = || Error::Unknown {
+            what: "response basis",
+            name: text.into(),
+            known:
+                "a number, plain:NUMBER, irradiance, local:EDGE, exit:COEFFICIENTS and exit_orthonormal:COEFFICIENTS \
+                    (n² or n² - 1, n up to 10), terms:NUMBER:BRDF"
+                    .into(),
+        };
+        let number = |t: &str, most: usize| t.parse().ok().filter(|n| (1..=most).contains(n)).ok_or_else(refuse);
+        if text.bytes().all(|b| b.is_ascii_digit()) {
+            return Ok(ResponseBasis::Plain { responses: number(text, MAX_LIGHTS)? });
+        }
+        let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
+        let exit = |coordinates| match number(rest, MAX_EXIT_ORDER * MAX_EXIT_ORDER)? {
+            coefficients if is_exit(coefficients) => Ok(ResponseBasis::Exit { coefficients, coordinates }),
+            _ => Err(refuse()),
+        };
+        match kind {
+            "plain" => Ok(ResponseBasis::Plain { responses: number(rest, MAX_LIGHTS)? }),
+            "irradiance" if rest.is_empty() && text == kind => Ok(ResponseBasis::Irradiance),
+            "local" => Ok(ResponseBasis::LocalDirections { edge: number(rest, crate::hemisphere::MAX_EDGE)? }),
+            "exit" => exit(Coordinates::Harmonics),
+            "exit_orthonormal" => exit(Coordinates::Orthonormal),
+            "terms" => match rest.split_once(':') {
+                Some((terms, brdf)) if !brdf.is_empty() => {
+                    Ok(ResponseBasis::Terms { terms: number(terms, MAX_LIGHTS)?, brdf: brdf.into() })
+                }
+                _ => Err(refuse()),
+            },
+            _ => Err(refuse()),
+        }
+    }
+}
+
+/// Whether so many harmonics on the hemisphere are a set: n², or n² - 1 without l = 1, m = 0.
+fn is_exit(coefficients: usize) -> bool {
+    (1..=MAX_EXIT_ORDER).any(|n| coefficients == n * n || (n > 1 && coefficients == n * n - 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_basis_reads_back_what_it_prints() {
+        let brdf = "terms:16:cook_torrance:roughness=0.3";
+        for text in ["plain:64", "irradiance", "local:8", "exit:16", "exit:24", "exit_orthonormal:99", brdf] {
+            let basis: ResponseBasis = text.parse().unwrap();
+            assert_eq!(basis.to_string(), text);
+            assert_eq!(basis.is_plain(), text.starts_with("plain"));
+        }
+        let counts = ["7", "plain:7", "irradiance", "local:3", "exit:8", brdf];
+        let found = counts.map(|text| text.parse::<ResponseBasis>().unwrap().responses());
+        assert_eq!(found, [7, 7, 1, 9, 8, 16]);
+        let wrong =
+            ["", "0", "-1", "plain:", "plain:0", "irradiance:", "irradiance:1", "local:65", "exit:17", "exit:0"];
+        let more =
+            ["exit:121", "exit_orthonormal:14", "terms:16", "terms:16:", "terms:0:lambert", "99999999999999999999"];
+        for text in wrong.into_iter().chain(more) {
+            assert!(text.parse::<ResponseBasis>().is_err(), "{text}");
+        }
+    }
+}

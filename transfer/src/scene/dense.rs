@@ -1,0 +1,63 @@
+//! Signals whose rows are dense, computed point by point and handed on as they are finished.
+
+use crate::basis::LightBasis;
+use crate::error::Result;
+use crate::matrix::{Shape, TransferMatrix};
+use crate::progress::Progress;
+use crate::responses::ResponseBasis;
+use crate::scene::signal::{Samples, Surface, Traced, for_each_point};
+
+/// A signal with everything that its rows need besides the surface.
+pub trait DenseSignal: Sync {
+    /// What the columns stand for.
+    fn basis(&self) -> LightBasis;
+    /// What the rows of a sample stand for.
+    fn responses(&self) -> ResponseBasis;
+    /// The directions that visibility is asked for.
+    fn samples(&self) -> &Samples;
+    /// The rows of a surface point, responses x lights, into `out`, which holds zeros: `visible` are the lanes of the samples
+    /// that it sees.
+    fn rows_into(&self, surface: &Surface, point: usize, visible: &mut dyn Iterator<Item = usize>, out: &mut [f32]);
+}
+
+/// The shape of the matrix at so many points.
+///
+/// # Errors
+/// More elements than memory could ever address.
+pub fn shape(signal: &dyn DenseSignal, points: usize) -> Result<Shape> {
+    Shape::new(points, signal.responses().responses(), signal.basis().lights())
+}
+
+/// Computes the rows of every point and hands them to `take`, responses x lights at a time, in the order of the points. No
+/// more than a batch of them is in memory at once.
+pub fn stream(
+    signal: &dyn DenseSignal,
+    surface: &Surface,
+    progress: &dyn Progress,
+    mut take: impl FnMut(&[f32]) -> Result<()> + Send,
+) -> Result<Traced> {
+    let shape = shape(signal, surface.points.len())?;
+    let at = |point: usize, visible: &mut dyn Iterator<Item = usize>| {
+        let mut rows = vec![0f32; shape.responses * shape.lights];
+        signal.rows_into(surface, point, visible, &mut rows);
+        rows
+    };
+    for_each_point(surface, signal.samples(), progress, at, |rows| take(&rows))
+}
+
+/// The whole matrix, dense, samples x responses x lights.
+pub fn matrix(
+    signal: &dyn DenseSignal,
+    surface: &Surface,
+    progress: &dyn Progress,
+) -> Result<(TransferMatrix, Traced)> {
+    let shape = shape(signal, surface.points.len())?;
+    let mut values = Vec::with_capacity(shape.rows() * shape.lights);
+    let traced = stream(signal, surface, progress, |rows| {
+        values.extend_from_slice(rows);
+        Ok(())
+    })?;
+    let matrix = TransferMatrix::from_dense(values, shape.rows(), shape.responses, signal.basis())?;
+    let matrix = matrix.with_responses(signal.responses())?;
+    Ok((if shape.responses > 1 { matrix.by_samples() } else { matrix }, traced))
+}
