@@ -12,9 +12,11 @@
 //! Bands 0 and 1 are thus `√(1/4π)` and `√(3/4π) (y, z, x)`.
 
 mod moments;
+mod product;
 mod transform;
 
 pub use moments::{project, texel_moments};
+pub use product::Products;
 pub use transform::{BoundSh, Sh, ShParams};
 
 use crate::basis::Direction;

@@ -8,7 +8,7 @@ use crate::matrix::TransferMatrix;
 use crate::progress::Progress;
 use crate::responses::ResponseBasis;
 use crate::scene::hemisphere::LocalDirections;
-use crate::scene::signal::{Sampling, Surface, Traced, for_each_point};
+use crate::scene::signal::{Sampling, Surface, Traced, Visible, for_each_point};
 use glam::Vec3;
 
 /// The matrix `(points · edge²) x (6 · resolution²)`, `edge` local directions along an edge of the concentric square.
@@ -24,16 +24,16 @@ pub fn biscale(
     let centres: Vec<Vec3> =
         basis.directions().into_iter().flatten().map(|d| Vec3::from_array(d.map(|c| c as f32))).collect();
     let share = 1.0 / sampling.samples_per_texel() as f32;
-    let at = |point: usize, visible: &mut dyn Iterator<Item = usize>| {
+    let at = |point: usize, visible: &Visible| {
         let frame = &surface.frames[point];
         let mut counts = vec![0u16; centres.len()];
-        visible.for_each(|lane| counts[samples.lanes()[lane].texel as usize] += 1);
+        visible.lanes().for_each(|lane| counts[samples.lanes()[lane].texel as usize] += 1);
         let mut rows: Vec<Vec<(u32, f32)>> = vec![Vec::new(); edge * edge];
         for (texel, &count) in counts.iter().enumerate().filter(|(_, c)| **c > 0) {
             let row = local.nearest(frame.to_local(centres[texel]));
             rows[row].push((texel as u32, f32::from(count) * share));
         }
-        rows
+        Ok(rows)
     };
     let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     let traced = for_each_point(surface, &samples, progress, at, |rows| {

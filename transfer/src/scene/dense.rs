@@ -5,7 +5,7 @@ use crate::error::Result;
 use crate::matrix::{Shape, TransferMatrix};
 use crate::progress::Progress;
 use crate::responses::ResponseBasis;
-use crate::scene::signal::{Samples, Surface, Traced, for_each_point};
+use crate::scene::signal::{Samples, Surface, Traced, Visible, for_each_point};
 
 /// A signal with everything that its rows need besides the surface.
 pub trait DenseSignal: Sync {
@@ -15,9 +15,8 @@ pub trait DenseSignal: Sync {
     fn responses(&self) -> ResponseBasis;
     /// The directions that visibility is asked for.
     fn samples(&self) -> &Samples;
-    /// The rows of a surface point, responses x lights, into `out`, which holds zeros: `visible` are the lanes of the samples
-    /// that it sees.
-    fn rows_into(&self, surface: &Surface, point: usize, visible: &mut dyn Iterator<Item = usize>, out: &mut [f32]);
+    /// The rows of a surface point, responses x lights, into `out`, which holds zeros.
+    fn rows_into(&self, surface: &Surface, point: usize, visible: &Visible, out: &mut [f32]) -> Result<()>;
 }
 
 /// The shape of the matrix at so many points.
@@ -37,10 +36,10 @@ pub fn stream(
     mut take: impl FnMut(&[f32]) -> Result<()> + Send,
 ) -> Result<Traced> {
     let shape = shape(signal, surface.points.len())?;
-    let at = |point: usize, visible: &mut dyn Iterator<Item = usize>| {
+    let at = |point: usize, visible: &Visible| {
         let mut rows = vec![0f32; shape.responses * shape.lights];
-        signal.rows_into(surface, point, visible, &mut rows);
-        rows
+        signal.rows_into(surface, point, visible, &mut rows)?;
+        Ok(rows)
     };
     for_each_point(surface, signal.samples(), progress, at, |rows| take(&rows))
 }

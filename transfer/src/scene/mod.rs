@@ -4,6 +4,7 @@
 //! points see ([`visibility`]); [`mod@biscale`] and [`mod@diffuse`] turn that into transfer matrices. [`lights`] relight them.
 
 pub mod biscale;
+pub mod bounce;
 pub mod bvh;
 pub mod dense;
 pub mod diffuse;
@@ -15,6 +16,7 @@ pub mod frames;
 mod grid;
 pub mod hemisphere;
 pub mod lights;
+pub mod moments;
 pub mod ray;
 pub mod repair;
 pub mod resample;

@@ -102,14 +102,31 @@ fn solid_angle(direction: Vec3, half: f64) -> f64 {
     cubemap_solid_angle(u - half, v - half, u + half, v + half)
 }
 
-impl Samples {
-    /// The lanes that masks (one per tile) name, ascending.
-    fn set<'a>(&self, masks: &'a [u64]) -> impl Iterator<Item = usize> + use<'a> {
-        masks.iter().enumerate().flat_map(|(tile, &mask)| {
+/// The samples above a point's horizon that nothing occludes.
+pub struct Visible<'a> {
+    masks: &'a [u64],
+}
+
+impl Visible<'_> {
+    /// A bit for each lane, a word for each tile of 64.
+    pub fn masks(&self) -> &[u64] {
+        self.masks
+    }
+
+    /// The lanes, ascending.
+    pub fn lanes(&self) -> impl Iterator<Item = usize> + use<'_> {
+        self.masks.iter().enumerate().flat_map(|(tile, &mask)| {
             let next = |mask: &u64| Some(mask & (mask - 1)).filter(|rest| *rest != 0);
             std::iter::successors(Some(mask).filter(|m| *m != 0), next)
                 .map(move |mask| 64 * tile + mask.trailing_zeros() as usize)
         })
+    }
+}
+
+impl Samples {
+    /// The same directions, as rays are answered.
+    pub(crate) fn directions(&self) -> &Directions {
+        &self.directions
     }
 
     /// The sample of each lane; a lane without one has a texel that does not exist.
@@ -122,13 +139,12 @@ impl Samples {
 const BATCH: usize = 32;
 
 /// Runs `signal(point, visible)` for every surface point on all cores and hands the results to `take` in the order of the points,
-/// batch by batch, so that they need not all be in memory; `visible` are the lanes of the samples above the point's horizon
-/// that nothing occludes.
+/// batch by batch, so that they need not all be in memory.
 pub(crate) fn for_each_point<T: Send>(
     surface: &Surface,
     samples: &Samples,
     progress: &dyn Progress,
-    signal: impl Fn(usize, &mut dyn Iterator<Item = usize>) -> T + Sync,
+    signal: impl Fn(usize, &Visible) -> Result<T> + Sync,
     mut take: impl FnMut(T) -> Result<()> + Send,
 ) -> Result<Traced> {
     Error::expect_size("frames beside surface points", surface.points.len(), surface.frames.len())?;
@@ -140,7 +156,7 @@ pub(crate) fn for_each_point<T: Send>(
         nanoseconds.fetch_add(start.elapsed().as_nanos() as u64, Relaxed);
         rays.fetch_add(answered, Relaxed);
         progress.advance(1)?;
-        Ok(signal(point, &mut samples.set(masks)))
+        signal(point, &Visible { masks })
     };
     let batch = BATCH * rayon::current_num_threads();
     let mut ready: Vec<T> = Vec::new();
