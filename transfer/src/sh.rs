@@ -1,4 +1,5 @@
-//! Real spherical harmonics: evaluation, projection of texels, and the light transform `sh`.
+//! Real spherical harmonics: evaluation, [rotation](Rotation), [restriction to the hemisphere](HemisphereSh), projection of texels,
+//! and the light transform `sh`.
 //!
 //! Convention: orthonormal over the sphere, z up, index `l(l+1)+m`, no Condon-Shortley phase. With x, y, z the unit direction,
 //!
@@ -11,12 +12,17 @@
 //! where `p_lm(z) (1-z²)^(m/2)` is the associated Legendre function scaled so that `2π ∫ p_lm² (1-z²)^m dz = 1`, positive at z = 1.
 //! Bands 0 and 1 are thus `√(1/4π)` and `√(3/4π) (y, z, x)`.
 
+mod hemisphere;
 mod moments;
 mod product;
+mod rotation;
 mod transform;
+mod triangular;
 
+pub use hemisphere::HemisphereSh;
 pub use moments::{project, texel_moments};
 pub use product::Products;
+pub use rotation::Rotation;
 pub use transform::{BoundSh, Sh, ShParams};
 
 use crate::basis::Direction;
@@ -25,6 +31,18 @@ use std::f64::consts::{PI, SQRT_2};
 
 /// Bands that [`Harmonics`] evaluates at most: to here the recurrence is tested (addition theorem to 1e-12).
 pub const MAX_ORDER: usize = 64;
+
+/// `Ok` for an order from 1 to [`MAX_ORDER`].
+fn check_order(order: usize) -> Result<()> {
+    if (1..=MAX_ORDER).contains(&order) {
+        return Ok(());
+    }
+    Err(Error::Unsupported {
+        what: "order of spherical harmonics".into(),
+        expected: format!("1 to {MAX_ORDER}"),
+        found: order.to_string(),
+    })
+}
 
 /// Spherical harmonics of bands 0 to order-1, with the factors of their recurrence made once.
 pub struct Harmonics {
@@ -38,13 +56,7 @@ pub struct Harmonics {
 impl Harmonics {
     /// Bands 0 to `order`-1; `order` from 1 to [`MAX_ORDER`].
     pub fn new(order: usize) -> Result<Harmonics> {
-        if !(1..=MAX_ORDER).contains(&order) {
-            return Err(Error::Unsupported {
-                what: "order of spherical harmonics".into(),
-                expected: format!("1 to {MAX_ORDER}"),
-                found: order.to_string(),
-            });
-        }
+        check_order(order)?;
         let (mut diagonal, mut rising) = (vec![(0.25 / PI).sqrt()], Vec::new());
         for m in 0..order {
             let square = |n: usize| (n * n) as f64;

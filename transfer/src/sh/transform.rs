@@ -1,6 +1,7 @@
 //! `sh`: the light transform onto spherical harmonics.
 
 use super::moments::texel_moments;
+use super::triangular::Lower;
 use crate::basis::LightBasis;
 use crate::codec::Configure;
 use crate::error::{Error, Result};
@@ -45,7 +46,7 @@ pub struct BoundSh {
     moments: Vec<f32>,
     /// 1/dω of each texel in 1/sr.
     inverse_angles: Vec<f64>,
-    gram: Cholesky,
+    gram: Lower,
 }
 
 impl Configure for Sh {
@@ -76,7 +77,7 @@ impl Transform for Sh {
         }
         let moments = texel_moments(order, basis)?;
         let inverse_angles: Vec<f64> = angles.into_iter().map(|a| 1.0 / a).collect();
-        let gram = Cholesky::new(gram(&moments, &inverse_angles, order * order), order * order);
+        let gram = Lower::cholesky(gram(&moments, &inverse_angles, order * order), order * order);
         Ok(BoundSh { order, moments, inverse_angles, gram: gram.ok_or_else(too_coarse)? })
     }
 }
@@ -95,49 +96,6 @@ fn gram(moments: &[f32], inverse_angles: &[f64], n: usize) -> Vec<f64> {
 /// `sum` += `factor` · `numbers`
 fn axpy(sum: &mut [f64], factor: f64, numbers: &[f32]) {
     sum.iter_mut().zip(numbers).for_each(|(s, &n)| *s += factor * f64::from(n));
-}
-
-/// G = L Lᵀ.
-struct Cholesky {
-    n: usize,
-    /// L, row by row; what is above the diagonal is not used.
-    lower: Vec<f64>,
-}
-
-impl Cholesky {
-    /// Of the lower triangle of a Gram matrix whose diagonal is at most about 1; `None` where it is nearly singular.
-    fn new(mut g: Vec<f64>, n: usize) -> Option<Cholesky> {
-        // Below this share of its length a harmonic is not told from those before it.
-        const LEAST_PIVOT: f64 = 1e-3;
-        for i in 0..n {
-            let (before, row) = g.split_at_mut(i * n);
-            for j in 0..i {
-                let known = &before[j * n..][..=j];
-                let sum: f64 = row[..j].iter().zip(known).map(|(a, b)| a * b).sum();
-                row[j] = (row[j] - sum) / known[j];
-            }
-            let pivot = row[i] - row[..i].iter().map(|a| a * a).sum::<f64>();
-            if pivot.is_nan() || pivot < LEAST_PIVOT {
-                return None;
-            }
-            row[i] = pivot.sqrt();
-        }
-        Some(Cholesky { n, lower: g })
-    }
-
-    /// `x` becomes G⁻¹ x.
-    fn solve(&self, x: &mut [f64]) {
-        let row = |i: usize| &self.lower[i * self.n..][..=i];
-        for i in 0..self.n {
-            let sum: f64 = row(i)[..i].iter().zip(&*x).map(|(l, x)| l * x).sum();
-            x[i] = (x[i] - sum) / row(i)[i];
-        }
-        for i in (0..self.n).rev() {
-            x[i] /= row(i)[i];
-            let known = x[i];
-            x[..i].iter_mut().zip(row(i)).for_each(|(x, l)| *x -= l * known);
-        }
-    }
 }
 
 impl BoundSh {
@@ -186,7 +144,7 @@ impl LightTransform for BoundSh {
 
     fn derived_bytes(&self) -> usize {
         let BoundSh { moments, inverse_angles, gram, .. } = self;
-        size_of_val(&moments[..]) + size_of_val(&inverse_angles[..]) + size_of_val(&gram.lower[..])
+        size_of_val(&moments[..]) + size_of_val(&inverse_angles[..]) + gram.bytes()
     }
 
     fn flops(&self, light: &[f32]) -> Flops {
