@@ -169,7 +169,7 @@ fn the_appendix_counts_and_figures_are_those_of_odd_meaning_a_change_of_sign() {
     assert!(reflection_error(8, as_printed).0 < 0.022 && reflection_error(7, opposite).0 > 0.145);
 }
 
-/// Relative errors at each order from 1: of c by way of d, of d from b, of c from b. The documentation prints some of them.
+/// Bounds, at each order from 1, on the relative errors that the documentation prints: of c by way of d, of d from b, of c from b.
 const ERRORS: [(f64, f64, f64); 10] = [
     (1e-15, 3e-15, 3e-15),
     (1e-15, 4e-15, 2e-14),
