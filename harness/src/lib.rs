@@ -22,6 +22,7 @@ pub mod list;
 pub mod machine;
 pub mod measure;
 pub mod memory;
+pub mod metric;
 pub mod number;
 pub mod precompute;
 pub mod progress;

@@ -2,6 +2,7 @@
 
 use crate::error_sums::{self, Sums, relative};
 use crate::family::family;
+use crate::metric::Metric;
 use crate::row::{Row, Status};
 use crate::scenes::{self, LIGHTS};
 use crate::suite::DENSE_LIMIT;
@@ -9,7 +10,7 @@ use crate::timing::{Budget, Timing};
 use crate::{files, fingerprint, memory, number};
 use anyhow::{Context, ensure};
 use ndarray::{Array2, ArrayView2, s};
-use prt_transfer::{Compressed, Label, LightBasis, Progress, Registry, TransferMatrix};
+use prt_transfer::{Compressed, Label, Progress, Registry, TransferMatrix};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -29,7 +30,7 @@ pub struct Pools {
 /// A matrix with everything that methods are compared with.
 pub struct Reference {
     matrix: TransferMatrix,
-    weights: Option<Vec<f64>>,
+    metric: Metric,
     whole: Sums,
     /// Light and exact response by the names of [`LIGHTS`]; none where the basis has no place on the sphere.
     relit: Vec<(Array2<f32>, Array2<f32>)>,
@@ -63,8 +64,8 @@ impl Reference {
     /// Computes the exact responses and norms.
     pub fn new(matrix: TransferMatrix) -> anyhow::Result<Reference> {
         let basis = matrix.basis();
-        let weights = basis.sphere_weights();
-        let whole = error_sums::of_matrix(&matrix, weights.as_deref());
+        let metric = Metric::of(&matrix)?;
+        let whole = error_sums::of_matrix(&matrix, &metric);
         let mut relit = Vec::new();
         // A basis without a place on the sphere has no light to compare under.
         for light in LIGHTS.iter().map_while(|name| scenes::light(name, basis).ok()) {
@@ -76,7 +77,7 @@ impl Reference {
             Some((light, _)) => light.clone(),
             None => Array2::from_shape_fn((matrix.lights(), 3), |(k, c)| 1.0 + (7 * k + c) as f32 % 5.0),
         };
-        Ok(Reference { matrix, weights, whole, relit, timed })
+        Ok(Reference { matrix, metric, whole, relit, timed })
     }
     /// The matrix itself.
     pub fn matrix(&self) -> &TransferMatrix {
@@ -190,21 +191,17 @@ fn storage_and_work(row: &mut Row, compressed: &Compressed, reference: &Referenc
 }
 
 fn errors(row: &mut Row, compressed: &Compressed, reference: &Reference) -> anyhow::Result<()> {
-    let Reference { matrix, weights, whole, relit, .. } = reference;
-    let sums = error_sums::of_difference(matrix, compressed, weights.as_deref());
+    let Reference { matrix, metric, whole, relit, .. } = reference;
+    let sums = error_sums::of_difference(matrix, compressed, metric);
     row.error = Some(relative(sums.squares, whole.squares));
-    row.error_sphere = match matrix.basis() {
-        // Orthonormal over the sphere.
-        LightBasis::SphericalHarmonics { .. } => row.error,
-        _ => weights.as_ref().map(|_| relative(sums.weighted, whole.weighted)),
-    };
+    row.error_sphere = metric.is_known().then(|| relative(sums.weighted, whole.weighted));
     row.error_max = Some(sums.max);
     for ((light, exact), figure) in relit.iter().zip(row.relit_errors_mut()) {
         let mut out = Array2::zeros(exact.dim());
         compressed.apply_into(light.view(), out.view_mut())?;
-        let squares = |a: f64, (x, y): (&f32, &f32)| a + (f64::from(*x) - f64::from(*y)).powi(2);
-        let difference = exact.iter().zip(&out).fold(0.0, squares);
-        let size = exact.iter().fold(0.0, |a, x| a + f64::from(*x).powi(2));
+        let difference = metric
+            .square_of_output(exact.indexed_iter().map(|(at, &y)| f64::from(y) - f64::from(out[at])), exact.ncols());
+        let size = metric.square_of_output(exact.iter().map(|&y| f64::from(y)), exact.ncols());
         *figure = Some(relative(difference, size));
     }
     Ok(())
