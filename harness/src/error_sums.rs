@@ -166,7 +166,7 @@ mod tests {
             matrix.with_responses(format!("{kind}:24").parse().unwrap()).unwrap()
         };
         let squares: f64 = orthonormal.iter().map(|v| v * v).sum();
-        for kind in ["exit", "exit_orthonormal"] {
+        for kind in ["exit", "exit-orthonormal"] {
             let (t, near) = (exit(kind, 1.0), exit(kind, 0.9));
             let compressed = method(&registry(), "csr").unwrap().encode(&near, &Quiet).unwrap();
             let sums = of_difference(&t, &compressed, &Metric::of(&t).unwrap());

@@ -11,7 +11,7 @@ use std::fmt;
 use std::str::FromStr;
 
 /// The response basis of a transfer matrix's rows. Written as `plain:64`, `irradiance`, `local:8`, `exit:24`,
-/// `exit_orthonormal:24` or `terms:16:BRDF`.
+/// `exit-orthonormal:24` or `terms:16:BRDF`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum ResponseBasis {
     /// Numbers without a meaning that is known.
@@ -85,7 +85,7 @@ impl fmt::Display for ResponseBasis {
                 write!(f, "exit:{coefficients}")
             }
             ResponseBasis::Exit { coefficients, coordinates: Coordinates::Orthonormal } => {
-                write!(f, "exit_orthonormal:{coefficients}")
+                write!(f, "exit-orthonormal:{coefficients}")
             }
             ResponseBasis::Terms { terms, brdf } => write!(f, "terms:{terms}:{brdf}"),
         }
@@ -101,7 +101,7 @@ impl FromStr for ResponseBasis {
             what: "response basis",
             name: text.into(),
             known:
-                "a number, plain:NUMBER, irradiance, local:EDGE, exit:COEFFICIENTS and exit_orthonormal:COEFFICIENTS \
+                "a number, plain:NUMBER, irradiance, local:EDGE, exit:COEFFICIENTS and exit-orthonormal:COEFFICIENTS \
                     (n² or n² - 1, n up to 10), terms:NUMBER:BRDF"
                     .into(),
         };
@@ -119,7 +119,7 @@ impl FromStr for ResponseBasis {
             "irradiance" if rest.is_empty() && text == kind => Ok(ResponseBasis::Irradiance),
             "local" => Ok(ResponseBasis::LocalDirections { edge: number(rest, crate::hemisphere::MAX_EDGE)? }),
             "exit" => exit(Coordinates::Harmonics),
-            "exit_orthonormal" => exit(Coordinates::Orthonormal),
+            "exit-orthonormal" => exit(Coordinates::Orthonormal),
             "terms" => match rest.split_once(':') {
                 Some((terms, brdf)) if !brdf.is_empty() => {
                     Ok(ResponseBasis::Terms { terms: number(terms, MAX_LIGHTS)?, brdf: brdf.into() })
@@ -142,8 +142,8 @@ mod tests {
 
     #[test]
     fn every_basis_reads_back_what_it_prints() {
-        let brdf = "terms:16:cook_torrance:roughness=0.3";
-        for text in ["plain:64", "irradiance", "local:8", "exit:16", "exit:24", "exit_orthonormal:99", brdf] {
+        let brdf = "terms:16:cook-torrance:roughness=0.3";
+        for text in ["plain:64", "irradiance", "local:8", "exit:16", "exit:24", "exit-orthonormal:99", brdf] {
             let basis: ResponseBasis = text.parse().unwrap();
             assert_eq!(basis.to_string(), text);
             assert_eq!(basis.is_plain(), text.starts_with("plain"));
@@ -154,7 +154,7 @@ mod tests {
         let wrong =
             ["", "0", "-1", "plain:", "plain:0", "irradiance:", "irradiance:1", "local:65", "exit:17", "exit:0"];
         let more =
-            ["exit:121", "exit_orthonormal:14", "terms:16", "terms:16:", "terms:0:lambert", "99999999999999999999"];
+            ["exit:121", "exit-orthonormal:14", "terms:16", "terms:16:", "terms:0:lambert", "99999999999999999999"];
         for text in wrong.into_iter().chain(more) {
             assert!(text.parse::<ResponseBasis>().is_err(), "{text}");
         }

@@ -81,7 +81,7 @@ fn what_is_written_agrees_with_the_golden_file() {
 fn the_meaning_of_responses_comes_back_and_is_what_raises_the_version() {
     let version = |bytes: &[u8]| u32::from_le_bytes(bytes[8..12].try_into().unwrap());
     assert_eq!(version(&prt::to_bytes(&compress(&matrix())).unwrap()), 1);
-    for text in ["exit_orthonormal:3", "terms:3:lambert:albedo=0.5"] {
+    for text in ["exit-orthonormal:3", "terms:3:lambert:albedo=0.5"] {
         let known = matrix_of(3).with_responses(text.parse().unwrap()).unwrap();
         let bytes = prt::to_bytes(&compress(&known)).unwrap();
         assert_eq!(version(&bytes), 2);
