@@ -2,8 +2,10 @@
 //!
 //! A [`shapes`] scene or a loaded mesh is [`repair`]ed and given [`frames`]; [`bvh::Occluders`] answer which [`directions`] its
 //! points see ([`visibility`]); [`mod@biscale`] and [`mod@diffuse`] turn that into transfer matrices. [`lights`] relight them.
+//! A [`brdf`] says how a surface scatters.
 
 pub mod biscale;
+pub mod brdf;
 pub mod bvh;
 pub mod diffuse;
 pub mod directions;
