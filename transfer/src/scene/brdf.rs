@@ -33,6 +33,7 @@ use crate::label::Stage;
 use crate::method::{About, about};
 use crate::params::Params;
 use glam::DVec3;
+use std::f64::consts::FRAC_1_PI;
 use std::fmt;
 use std::str::FromStr;
 
@@ -95,6 +96,41 @@ impl Brdf {
             Brdf::Ward(model) => model.params().alpha_x == model.params().alpha_y,
             _ => true,
         }
+    }
+
+    /// The albedo of the diffuse part.
+    pub(crate) fn diffuse(&self) -> f64 {
+        match self {
+            Brdf::Lambert(model) => model.params().albedo,
+            Brdf::Phong(model) => model.params().diffuse,
+            Brdf::CookTorrance(model) => model.params().diffuse,
+            Brdf::Ward(model) => model.params().diffuse,
+        }
+    }
+
+    /// The scale of the slopes of half vectors over which the lobe varies; 1 where there is no lobe.
+    pub(crate) fn width(&self) -> f64 {
+        match self {
+            Brdf::Lambert(_) => 1.0,
+            // cosⁿ α ≈ exp(-n α²/2), and the half vector turns by α/2.
+            Brdf::Phong(model) => (2.0 * model.params().exponent).sqrt().recip(),
+            Brdf::CookTorrance(model) => model.params().roughness,
+            Brdf::Ward(model) => model.params().alpha_x.min(model.params().alpha_y),
+        }
+    }
+
+    /// The scale of the azimuths about the mirror direction over which the lobe varies, for cosines `view` and `light`;
+    /// at most π.
+    pub(crate) fn azimuth_width(&self, view: f64, light: f64) -> f64 {
+        // A lobe about the mirror direction is as broad everywhere; one of slopes H_xy/H_z narrows with H_z towards the
+        // horizon.
+        let width = match self {
+            Brdf::Lambert(_) | Brdf::Phong(_) => 2.0 * self.width(),
+            Brdf::CookTorrance(_) | Brdf::Ward(_) => self.width() * (view + light),
+        };
+        // A turn t of the azimuth moves directions by t sin θ.
+        let sines = ((1.0 - view * view) * (1.0 - light * light)).max(0.0).powf(0.25);
+        width / sines.max(width * FRAC_1_PI)
     }
 }
 

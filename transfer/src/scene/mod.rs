@@ -2,7 +2,7 @@
 //!
 //! A [`shapes`] scene or a loaded mesh is [`repair`]ed and given [`frames`]; [`bvh::Occluders`] answer which [`directions`] its
 //! points see ([`visibility`]); [`mod@biscale`] and [`mod@diffuse`] turn that into transfer matrices. [`lights`] relight them.
-//! A [`brdf`] says how a surface scatters.
+//! A [`brdf`] says how a surface scatters, and [`separable`] takes it apart into functions of the view and of the light.
 
 pub mod biscale;
 pub mod brdf;
@@ -21,6 +21,7 @@ pub mod repair;
 pub mod resample;
 mod room;
 mod scattered;
+pub mod separable;
 pub mod shapes;
 pub mod signal;
 mod sky;
