@@ -7,7 +7,7 @@ use std::str::FromStr;
 /// One stage of a label: a name and the parameters that were given.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Stage {
-    /// The codec's or transform's name.
+    /// The name of the codec, transform or model.
     pub name: String,
     /// Parameters as written, in order: name and value.
     pub params: Vec<(String, String)>,
@@ -40,8 +40,8 @@ impl Stage {
             |w: &str| !w.is_empty() && w.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_');
         let mut parts = text.split(':');
         let name = parts.next().unwrap_or_default();
-        if !word(name) {
-            return fail(format!("'{name}' is not a name of a method (a-z, 0-9, _)"));
+        if !name.split('-').all(word) {
+            return fail(format!("'{name}' is not a name (words of a-z, 0-9, _ joined by -)"));
         }
         let mut params: Vec<(String, String)> = Vec::new();
         for part in parts {
@@ -60,6 +60,15 @@ impl Stage {
             params.push((key.into(), value.into()));
         }
         Ok(Stage { name: name.into(), params })
+    }
+}
+
+/// A stage by itself, such as `cook-torrance:roughness=0.3`.
+impl FromStr for Stage {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Stage> {
+        Stage::parse(text, text)
     }
 }
 

@@ -57,7 +57,7 @@ pub struct Registry {
     codecs: Vec<CodecEntry>,
 }
 
-/// A method's stage as `prt methods` shows it.
+/// A method's stage, or a model, as lists such as `prt methods` show it.
 #[derive(Clone, Debug)]
 pub struct About {
     /// Its name in a label.
@@ -118,7 +118,8 @@ impl<T: Transform> AnyTransform for T {
     }
 }
 
-fn about<P: Params>() -> About {
+/// What a list says of the method or model with these parameters.
+pub(crate) fn about<P: Params>() -> About {
     About { name: P::NAME, about: P::ABOUT.trim(), fields: P::fields() }
 }
 

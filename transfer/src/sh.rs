@@ -29,6 +29,9 @@ use crate::basis::Direction;
 use crate::error::{Error, Result};
 use std::f64::consts::{PI, SQRT_2};
 
+#[cfg(feature = "scene")]
+pub(crate) use moments::gauss_legendre;
+
 /// Bands that [`Harmonics`] evaluates at most: to here the recurrence is tested (addition theorem to 1e-12).
 pub const MAX_ORDER: usize = 64;
 

@@ -17,7 +17,7 @@ struct Texels {
 }
 
 /// Nodes in (-1, 1) and weights with which polynomials of degree 2n-1 are integrated exactly.
-pub(super) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {
             // Newton's method on P_n, from Tricomi's approximation of its roots.
