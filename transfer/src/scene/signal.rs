@@ -104,12 +104,17 @@ fn solid_angle(direction: Vec3, half: f64) -> f64 {
 
 impl Samples {
     /// The lanes that masks (one per tile) name, ascending.
-    fn set<'a>(&self, masks: &'a [u64]) -> impl Iterator<Item = usize> + use<'a> {
+    pub(crate) fn set<'a>(&self, masks: &'a [u64]) -> impl Iterator<Item = usize> + use<'a> {
         masks.iter().enumerate().flat_map(|(tile, &mask)| {
             let next = |mask: &u64| Some(mask & (mask - 1)).filter(|rest| *rest != 0);
             std::iter::successors(Some(mask).filter(|m| *m != 0), next)
                 .map(move |mask| 64 * tile + mask.trailing_zeros() as usize)
         })
+    }
+
+    /// The directions, in tiles.
+    pub(crate) fn directions(&self) -> &Directions {
+        &self.directions
     }
 
     /// The sample of each lane; a lane without one has a texel that does not exist.
