@@ -1,6 +1,6 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
-use crate::{bench, decode, encode, info, list, precompute, relight, stability, tables, terminal};
+use crate::{bench, decode, encode, info, list, precompute, relight, render, stability, tables, terminal};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -31,6 +31,8 @@ enum Command {
     Decode(decode::Decode),
     /// Relights a compressed matrix
     Relight(relight::Relight),
+    /// Draws a scene, relit from a matrix or traced
+    Render(Box<render::Render>),
     /// Tells what a compressed matrix is and costs
     Info(info::InfoArguments),
     /// Measures the tables of a paper anew, beside what it prints
@@ -65,6 +67,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Encode(arguments) => encode::run(arguments),
         Command::Decode(arguments) => decode::run(arguments),
         Command::Relight(arguments) => relight::run(arguments),
+        Command::Render(arguments) => render::run(arguments),
         Command::Info(arguments) => info::run(arguments),
         Command::Tables(arguments) => tables::run(arguments, threads),
         Command::Stability(arguments) => stability::run(arguments, threads),

@@ -1,7 +1,8 @@
-//! The one place where the program touches files of matrices, lights and compressed matrices.
+//! The one place where the program touches files of matrices, lights, compressed matrices and pictures.
 
 use ndarray::{Array2, ArrayView2};
-use prt_transfer::io::{atomic, matrix, npy, prt};
+use prt_transfer::image::{Image, Picture};
+use prt_transfer::io::{atomic, image, matrix, npy, prt};
 use prt_transfer::{Compressed, Error, Registry, Result, TransferMatrix};
 use std::path::Path;
 
@@ -9,12 +10,17 @@ pub use prt_transfer::io::matrix::Description;
 
 /// Refuses an output file whose extension promises another format than the one that is written.
 pub fn expect_extension(path: &Path, extension: &'static str) -> Result<()> {
+    expect_one_of(path, &[extension]).map(drop)
+}
+
+/// The format that an output file's extension promises, out of those that can be written.
+pub fn expect_one_of(path: &Path, extensions: &[&'static str]) -> Result<&'static str> {
     let found = path.extension().unwrap_or_default();
-    if found.eq_ignore_ascii_case(extension) {
-        return Ok(());
-    }
-    let (what, expected) = (format!("output file {}", path.display()), format!("the extension .{extension}"));
-    Err(Error::Unsupported { what, expected, found: format!("'{}'", found.display()) })
+    extensions.iter().copied().find(|known| found.eq_ignore_ascii_case(known)).ok_or_else(|| Error::Unsupported {
+        what: format!("output file {}", path.display()),
+        expected: format!("the extension .{}", extensions.join(" or .")),
+        found: format!("'{}'", found.display()),
+    })
 }
 
 /// Reads a transfer matrix; the extension says which format.
@@ -40,6 +46,23 @@ pub fn read_prt(path: &Path, registry: &Registry) -> Result<Compressed> {
 /// Reads a light of one or several channels: lights x channels.
 pub fn read_lights(path: &Path) -> Result<Array2<f32>> {
     npy::read_lights(path)
+}
+
+/// Reads linear radiance: finite values, .exr or .hdr.
+pub fn read_radiance(path: &Path) -> Result<Image> {
+    let image = image::read(path)?;
+    image.check().map_err(|e| e.in_file(path))?;
+    Ok(image)
+}
+
+/// Writes linear radiance as 32-bit OpenEXR.
+pub fn write_radiance(path: &Path, radiance: &Image) -> Result<()> {
+    image::write_exr(path, radiance, image::Precision::Single)
+}
+
+/// Writes a picture as PNG.
+pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
+    image::write_png(path, picture)
 }
 
 /// Writes an array of numbers.

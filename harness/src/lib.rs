@@ -28,6 +28,7 @@ pub mod precompute;
 pub mod progress;
 pub mod registry;
 pub mod relight;
+pub mod render;
 pub mod report;
 pub mod results;
 pub mod row;

@@ -2,13 +2,15 @@
 
 use crate::signal::{Signal, Spec};
 use ndarray::Array2;
+use prt_transfer::basis::Direction;
+use prt_transfer::image::Image;
 use prt_transfer::mesh::Mesh;
 use prt_transfer::scene::biscale::biscale;
 use prt_transfer::scene::bvh::Occluders;
 use prt_transfer::scene::diffuse::diffuse;
 use prt_transfer::scene::frames::vertex_frames;
 use prt_transfer::scene::repair::{Repairs, repair};
-use prt_transfer::scene::resample::resample;
+use prt_transfer::scene::resample::{lookup, resample};
 use prt_transfer::scene::signal::{Sampling, Surface, Traced};
 use prt_transfer::scene::{lights, shapes};
 use prt_transfer::{Error, LightBasis, Progress, Result, TransferMatrix, io, sh};
@@ -56,7 +58,7 @@ pub fn lights() -> Vec<About> {
 /// The transfer matrix of a built-in scene with about `vertices` vertices, or of a mesh file, which has its own.
 pub fn precompute(scene: &str, vertices: Option<usize>, spec: &Spec, progress: &dyn Progress) -> Result<Precomputed> {
     let began = Instant::now();
-    let (mesh, repairs) = repair(mesh(scene, vertices)?).map_err(|e| e.in_file(scene))?;
+    let (mesh, repairs) = load(scene, vertices)?;
     let (occluders, frames) = (Occluders::new(&mesh)?, vertex_frames(&mesh)?);
     let surface = Surface { occluders: &occluders, points: &mesh.positions, frames: &frames };
     let mut sampling = Sampling { supersampling: spec.supersampling, ..Sampling::default() };
@@ -75,6 +77,11 @@ pub fn precompute(scene: &str, vertices: Option<usize>, spec: &Spec, progress: &
         }
     };
     Ok(Precomputed { matrix, repairs, traced, seconds: began.elapsed().as_secs_f64() })
+}
+
+/// The mesh of a scene, repaired: its vertices are the samples of its matrices.
+pub fn load(scene: &str, vertices: Option<usize>) -> Result<(Mesh, Repairs)> {
+    repair(mesh(scene, vertices)?).map_err(|e| e.in_file(scene))
 }
 
 /// A mesh file by its extension, or a built-in scene.
@@ -108,7 +115,25 @@ pub fn light(name: &str, basis: &LightBasis) -> Result<Array2<f32>> {
     if Path::new(name).extension().is_none() {
         return lights::find(name)?.environment().texels(basis);
     }
+    resample(&light_image(name)?, basis)
+}
+
+/// Linear RGB radiance by unit direction.
+pub type Backdrop = Box<dyn Fn(Direction) -> [f32; 3] + Sync>;
+
+/// A light as the eye sees it: what is built in at its true sharpness, an image file between the centres of its pixels.
+pub fn backdrop(name: &str) -> Result<Backdrop> {
+    if Path::new(name).extension().is_none() {
+        let environment = lights::find(name)?.environment();
+        return Ok(Box::new(move |direction| environment.radiance(direction)));
+    }
+    let image = light_image(name)?;
+    Ok(Box::new(move |direction| lookup(&image, direction)))
+}
+
+/// A lat-long image file; negative pixels are taken for 0.
+fn light_image(name: &str) -> Result<Image> {
     let mut image = io::image::read(name)?;
-    image.clamp_negatives()?;
-    resample(&image, basis)
+    image.clamp_negatives().map_err(|e| e.in_file(name))?;
+    Ok(image)
 }

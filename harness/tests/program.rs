@@ -131,12 +131,70 @@ fn wrong_usage_is_told_apart_from_failure() {
 #[test]
 fn every_command_helps_with_an_example() {
     let folder = tempfile::tempdir().unwrap();
-    for command in
-        ["bench", "precompute", "encode", "decode", "relight", "info", "tables", "stability", "scenes", "methods"]
-    {
+    for command in [
+        "bench",
+        "precompute",
+        "encode",
+        "decode",
+        "relight",
+        "render",
+        "info",
+        "tables",
+        "stability",
+        "scenes",
+        "methods",
+    ] {
         let help = done(&[command, "--help"], folder.path());
         assert!(help.contains("Example") && help.contains(&format!("prt {command}")), "{help}");
     }
+}
+
+#[test]
+fn a_relit_scene_is_rendered_beside_its_reference() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    precompute(folder, "diffuse", "T.npz");
+    done(&["encode", "csr", "T.npz", "-o", "T.prt"], folder);
+    let scene = scene(folder);
+    let common = ["render", &scene, "--vertices", "80", "--size", "40x30", "--samples", "1", "--light", "room"];
+    let render = |more: &[&str]| done(&[&common[..], more].concat(), folder);
+    render(&["--reference", "--basis", "cubemap:8", "-o", "exact.exr"]);
+    render(&["T.npz", "-o", "relit.exr"]);
+    let compare = ["T.prt", "--compare", "exact.exr", "--error-map", "error.png", "-o", "relit.png", "--json"];
+    let told: Value = serde_json::from_str(&render(&compare)).unwrap();
+    let figure = |name: &str| told[name].as_f64().unwrap();
+    assert!((0.0..0.5).contains(&figure("relative_squared_error")) && figure("psnr_db") > 10.0, "{told}");
+    assert!((0.1..1.0).contains(&figure("filled")) && figure("seconds") > 0.0 && figure("exposure").is_finite());
+    for name in ["relit.png", "error.png"] {
+        assert!(std::fs::read(folder.join(name)).unwrap().starts_with(b"\x89PNG"), "{name}");
+    }
+    // Against itself there is no error, and a decibel without one is no number.
+    let same: Value =
+        serde_json::from_str(&render(&["T.npz", "--compare", "relit.exr", "-o", "same.exr", "--json"])).unwrap();
+    assert_eq!((&same["relative_squared_error"], &same["psnr_db"]), (&0.0.into(), &Value::Null));
+    let bytes = |name: &str| std::fs::read(folder.join(name)).unwrap();
+    assert_eq!(bytes("same.exr"), bytes("relit.exr"));
+
+    let fails = |more: &[&str], part: &str| {
+        let message = refused(1, &[&common[..], more].concat(), folder);
+        assert!(message.contains(part) && message.lines().count() == 1, "{message}");
+    };
+    precompute(folder, "biscale", "B.npz");
+    fails(&["B.npz", "-o", "out.png"], "responses");
+    fails(&["T.npz", "-o", "out.jpg"], ".png or .exr");
+    fails(&["T.npz", "-o", "out.exr", "--tone", "filmic"], "--tone");
+    fails(&["T.npz", "-o", "out.exr", "--exposure", "-1"], "--exposure");
+    fails(&["T.prt", "-o", "out.png", "--basis", "cubemap:8"], "--basis");
+    fails(&["T.npz", "-o", "out.png", "--compare", "absent.exr"], "absent.exr");
+    fails(&["--reference", "--brdf", "velvet", "-o", "out.png"], "unknown BRDF 'velvet'");
+    fails(&["--reference", "--basis", "sh:5", "-o", "out.png"], "cubemap:EDGE");
+    let finer = ["render", &scene, "T.npz", "--vertices", "300", "-o", "out.png"];
+    let message = refused(1, &finer, folder);
+    assert!(message.contains("samples of T.npz") && message.contains("found "), "{message}");
+    for wrong in [&["T.npz", "--reference"][..], &[], &["T.npz", "--size", "40"], &["T.npz", "--eye", "1,2,3"]] {
+        refused(2, &[&["render", &scene, "-o", "out.png"], wrong].concat(), folder);
+    }
+    assert!(!folder.join("out.png").exists() && !folder.join("out.exr").exists());
 }
 
 #[test]

@@ -1,6 +1,10 @@
-//! Images of linear radiance.
+//! Images of linear radiance, how they become pictures ([`tone`]) and how two of them differ ([`difference`]).
+
+pub mod difference;
+pub mod tone;
 
 use crate::error::{Error, Result};
+pub use tone::{Picture, Tone};
 
 /// RGB pixels in rows from the top, linear radiance in W/m²/sr (or relative to it).
 #[derive(Clone, Debug, PartialEq)]

@@ -9,8 +9,8 @@
 //! | feature | adds |
 //! | --- | --- |
 //! | (none) | the vocabulary, and the exact codecs [`dense`], [`csr`], [`compact`], [`runs`], [`visibility`] and half precision [`f16`](mod@f16) |
-//! | `io` | files: `.prt`, `.npz`, `.npy`, `.mtx`, `.ply`, `.obj`, `.exr`, `.hdr` |
-//! | `scene` | meshes, built-in scenes and lights, visibility, the signals `biscale` and `diffuse` |
+//! | `io` | files: `.prt`, `.npz`, `.npy`, `.mtx`, `.ply`, `.obj`, `.exr`, `.hdr`, `.png` |
+//! | `scene` | meshes, built-in scenes and lights, visibility, the signals `biscale` and `diffuse`, ray-cast views |
 
 pub mod basis;
 pub mod codec;

@@ -1,10 +1,10 @@
-//! Images of linear radiance, `.exr` and `.hdr`.
+//! Images of linear radiance, `.exr` and `.hdr`, and pictures, `.png`.
 //!
 //! Values come as they are in the file: negative ones, infinities and NaN are the caller's to judge.
 
 use super::{atomic, broken, bytes_of, extension, openexr, radiance, unknown_extension};
 use crate::error::{Error, Result};
-use crate::image::Image;
+use crate::image::{Image, Picture};
 use std::path::Path;
 
 /// The number of a sample's bits in a written `.exr`.
@@ -54,6 +54,33 @@ pub fn write_exr(path: impl AsRef<Path>, image: &Image, precision: Precision) ->
 pub fn exr_bytes(image: &Image, precision: Precision) -> Result<Vec<u8>> {
     Error::expect_size("pixels of the image", image.width * image.height, image.pixels.len())?;
     openexr::bytes(image, precision)
+}
+
+/// Writes a picture: PNG, 8 bits a channel, marked as sRGB.
+pub fn write_png(path: impl AsRef<Path>, picture: &Picture) -> Result<()> {
+    let path = path.as_ref();
+    let bytes = png_bytes(picture).map_err(|e| e.in_file(path))?;
+    atomic::write(path, |file| file.write_all(&bytes))
+}
+
+/// The file that [`write_png`] makes.
+pub fn png_bytes(picture: &Picture) -> Result<Vec<u8>> {
+    let Picture { width, height, pixels } = picture;
+    Error::expect_size("pixels of the picture", width.saturating_mul(*height), pixels.len())?;
+    // The format counts in 31 bits; the encoder refuses 0.
+    let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side(*width), side(*height));
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let write = |encoder: png::Encoder<_>| {
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(pixels.as_flattened())?;
+        writer.finish()
+    };
+    write(encoder).map_err(|e| broken("png", "picture", "pixels that the format can hold", e.to_string()))?;
+    Ok(bytes)
 }
 
 /// Refuses a size that `length` bytes cannot mean: compression earns a factor of 1000, and 64 MiB come on top so that small

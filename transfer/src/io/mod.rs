@@ -1,11 +1,11 @@
-//! Files: transfer matrices, compressed matrices, meshes and images.
+//! Files: transfer matrices, compressed matrices, meshes, images and pictures.
 //!
 //! | module | formats |
 //! | --- | --- |
 //! | [`matrix`] | a transfer matrix, the format chosen by the file's extension: [`npz`], [`npy`], [`mtx`] |
 //! | [`prt`] | a compressed matrix |
 //! | [`mesh`] | `.ply`, `.obj` |
-//! | [`image`] | `.exr`, `.hdr` |
+//! | [`image`] | `.exr`, `.hdr`, `.png` (written only) |
 //! | [`atomic`] | how all of them are written: beside the old file, then renamed |
 //!
 //! Bytes are untrusted. A reader never panics, names the place where a file breaks its format, and allocates no more than a

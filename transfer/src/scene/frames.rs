@@ -55,6 +55,20 @@ impl Frame {
         let n = normal.as_dvec3();
         frame(axis_tangent(n), n)
     }
+
+    /// The frame at a point of a face with these barycentric weights: the mean of the corners' normals, and the mean of their
+    /// tangents made perpendicular to it. Normals that cancel leave the first corner's frame, tangents that do a frame
+    /// [by axis](Frame::by_axis).
+    pub fn interpolated(corners: [Frame; 3], weights: [f32; 3]) -> Frame {
+        let mean = |of: fn(&Frame) -> Vec3| {
+            let terms = corners.iter().zip(weights).map(|(frame, weight)| f64::from(weight) * of(frame).as_dvec3());
+            terms.sum::<DVec3>()
+        };
+        let Some(normal) = mean(|f| f.normal).try_normalize() else { return corners[0] };
+        let tangent = mean(|f| f.tangent).reject_from_normalized(normal);
+        let usable = tangent.length_squared() > 1e-12;
+        frame(if usable { tangent } else { axis_tangent(normal) }, normal)
+    }
 }
 
 fn frame(tangent: DVec3, normal: DVec3) -> Frame {
@@ -268,6 +282,26 @@ mod tests {
                 assert!((frame.to_local(frame.to_world(v)) - v).length() < 1e-6);
             }
         }
+    }
+
+    #[test]
+    fn interpolated_frames_are_orthonormal_and_those_of_the_corners_at_the_corners() {
+        let mesh = shapes::find("blob").unwrap().build(400).unwrap();
+        let frames = vertex_frames(&mesh).unwrap();
+        for face in &mesh.faces {
+            let corners = face.map(|v| frames[v as usize]);
+            for weights in [[0.2, 0.3, 0.5], [0.0, 0.5, 0.5], [1.0 / 3.0; 3]] {
+                let Frame { tangent, bitangent, normal } = Frame::interpolated(corners, weights);
+                assert!((tangent.cross(bitangent) - normal).length() < 1e-6 && tangent.is_normalized());
+            }
+            let [a, b] = [Frame::interpolated(corners, [0.0, 1.0, 0.0]), corners[1]];
+            assert!((a.normal - b.normal).length() + (a.tangent - b.tangent).length() < 1e-6);
+        }
+        // What cancels leaves a frame all the same.
+        let [up, down] = [Vec3::Z, Vec3::NEG_Z].map(Frame::by_axis);
+        assert_eq!(Frame::interpolated([up, down, up], [0.5, 0.5, 0.0]), up);
+        let turned = Frame { tangent: -up.tangent, bitangent: -up.bitangent, ..up };
+        assert_eq!(Frame::interpolated([up, turned, up], [0.5, 0.5, 0.0]), up);
     }
 
     #[test]

@@ -55,6 +55,23 @@ pub fn resample(image: &Image, basis: &LightBasis) -> Result<Array2<f32>> {
     }
 }
 
+/// Radiance of a lat-long image from a unit direction, bilinear between the centres of its pixels; around the poles it is that of
+/// the last row.
+///
+/// # Panics
+/// For an image that [`Image::check`] refuses.
+pub fn lookup(image: &Image, [x, y, z]: Direction) -> [f32; 3] {
+    let (width, height) = (image.width, image.height);
+    let s = (0.5 - y.atan2(x) / (2.0 * PI)) * width as f64 - 0.5;
+    let t = (x.hypot(y).atan2(z) / PI * height as f64 - 0.5).clamp(0.0, (height - 1) as f64);
+    let (column, row) = (s.rem_euclid(width as f64), t as usize);
+    let (columns, rows) = ([column as usize % width, (column as usize + 1) % width], [row, (row + 1).min(height - 1)]);
+    let [u, v] = [column.fract(), t.fract()];
+    let pixel = |i: usize, j: usize, c: usize| f64::from(image.pixels[rows[j] * width + columns[i]][c]);
+    let along = |j: usize, c: usize| pixel(0, j, c) + u * (pixel(1, j, c) - pixel(0, j, c));
+    [0, 1, 2].map(|c| (along(0, c) + v * (along(1, c) - along(0, c))) as f32)
+}
+
 /// Exact: a texel overlaps a pixel in an interval of longitude times an interval of z.
 fn to_latlong(image: &Image, width: usize, height: usize) -> Array2<f32> {
     let z = |t: f64| (PI * t).cos();
@@ -196,6 +213,22 @@ mod tests {
             for (d, row) in basis.directions().unwrap().into_iter().zip(texels.rows()) {
                 assert!((row[2] - value(d)).abs() < 0.025, "{basis} {d:?}: {} {}", row[2], value(d));
             }
+        }
+    }
+
+    #[test]
+    fn looking_up_a_smooth_light_gives_its_value_and_pixels_theirs() {
+        let value = |d: Direction| (2.0 + d[0] - 0.5 * d[1] + 0.7 * d[2]) as f32;
+        let source = LightBasis::LatLong { width: 256, height: 128 };
+        let pixels = source.directions().unwrap().into_iter().map(|d| [value(d), 1.0, 0.0]).collect();
+        let image = Image { width: 256, height: 128, pixels };
+        for (k, d) in source.directions().unwrap().into_iter().enumerate() {
+            assert!((lookup(&image, d)[0] - image.pixels[k][0]).abs() < 1e-5);
+        }
+        let poles = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [-1.0, -1e-12, 0.0]];
+        let directions = LightBasis::Cubemap { resolution: 9 }.directions().unwrap();
+        for d in directions.into_iter().chain(poles) {
+            assert!((lookup(&image, d)[0] - value(d)).abs() < 0.02 && lookup(&image, d)[1..] == [1.0, 0.0], "{d:?}");
         }
     }
 

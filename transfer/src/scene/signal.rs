@@ -104,7 +104,7 @@ fn solid_angle(direction: Vec3, half: f64) -> f64 {
 
 /// The samples above a point's horizon that nothing occludes.
 pub struct Visible<'a> {
-    masks: &'a [u64],
+    pub(crate) masks: &'a [u64],
 }
 
 impl Visible<'_> {

@@ -4,8 +4,8 @@ use exr::prelude::{
     LineOrder, Vec2, WritableImage,
 };
 use half::f16;
-use prt_transfer::image::Image;
-use prt_transfer::io::image::{self, Precision, exr_bytes, read_exr, read_hdr};
+use prt_transfer::image::{Image, Picture};
+use prt_transfer::io::image::{self, Precision, exr_bytes, png_bytes, read_exr, read_hdr};
 use std::io::Cursor;
 
 fn gradient(width: usize, height: usize) -> Image {
@@ -25,6 +25,23 @@ fn a_written_exr_reads_back() {
     image::write_exr(&path, &image, Precision::Single).unwrap();
     assert_eq!(image::read(&path).unwrap(), image);
     names(image::read("a.png"), ".exr, .hdr");
+}
+
+#[test]
+fn a_written_png_is_decoded_to_the_same_pixels_and_is_srgb() {
+    let pixels = (0..37 * 21).map(|i| [i % 256, (7 * i + 3) % 256, 255 - i % 256].map(|c| c as u8)).collect();
+    let picture = Picture { width: 37, height: 21, pixels };
+    let folder = folder();
+    let path = folder.path().join("picture.png");
+    image::write_png(&path, &picture).unwrap();
+    let mut reader = png::Decoder::new(Cursor::new(std::fs::read(&path).unwrap())).read_info().unwrap();
+    assert!(reader.info().srgb.is_some());
+    let mut decoded = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut decoded).unwrap();
+    assert_eq!((frame.width, frame.height, frame.color_type), (37, 21, png::ColorType::Rgb));
+    assert_eq!(decoded, picture.pixels.as_flattened());
+    names(png_bytes(&Picture { width: 0, height: 3, pixels: Vec::new() }), "picture");
+    names(png_bytes(&Picture { width: 3, ..picture }), "expected 63, found 777");
 }
 
 /// Named channels of `width` x `height` samples, the data window at `position` in a display window of `display`.

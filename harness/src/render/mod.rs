@@ -1,0 +1,191 @@
+//! `prt render`: a picture of a scene, relit from a matrix or traced.
+
+mod arguments;
+mod surface;
+
+use crate::files::{self, Description};
+use crate::progress::Bar;
+use crate::registry::registry;
+use crate::scenes::{self, Backdrop};
+use crate::{number, terminal};
+use anyhow::bail;
+pub use arguments::{Background, Exposure, Place, Render};
+use ndarray::Array2;
+use prt_transfer::image::{Image, Tone};
+use prt_transfer::scene::bvh::Occluders;
+use prt_transfer::scene::frames::{Frame, vertex_frames};
+use prt_transfer::scene::reference::Reference;
+use prt_transfer::scene::signal::Sampling;
+use prt_transfer::scene::view::View;
+use prt_transfer::{Error, LightBasis, Progress, Result, Shape};
+use serde::Serialize;
+use std::path::Path;
+use std::time::Instant;
+
+/// What is printed. The names are a promise to programs that read them.
+#[derive(Serialize)]
+struct Rendered {
+    /// Wall clock of everything, s.
+    seconds: f64,
+    /// Share of the pixels that the surface fills.
+    filled: f64,
+    /// Stops.
+    exposure: f64,
+    /// Against the picture compared with, over the pixels that the surface fills.
+    #[serde(flatten)]
+    errors: Option<Errors>,
+}
+
+/// How far a picture is from another one; what is infinite is null.
+#[derive(Clone, Copy, Serialize)]
+struct Errors {
+    /// Of linear radiance.
+    relative_squared_error: f64,
+    /// Of the 8-bit pictures.
+    psnr_db: f64,
+}
+
+/// Runs the command.
+pub fn run(arguments: &Render) -> anyhow::Result<()> {
+    let began = Instant::now();
+    check(arguments)?;
+    // First, so that nothing is traced for a picture that cannot be compared.
+    let compared = arguments.compare.as_deref().map(|path| compared(path, arguments.size)).transpose()?;
+    let (mesh, _) = scenes::load(&arguments.scene, arguments.vertices)?;
+    let (occluders, frames) = (Occluders::new(&mesh)?, vertex_frames(&mesh)?);
+    let bar = Bar::default();
+    let samples = arguments.samples.unwrap_or(if arguments.reference { 2 } else { 4 });
+    let view = View::cast(&mesh, &occluders, arguments.camera(&mesh)?, samples, &bar)?;
+    let backdrop: Backdrop = match arguments.background {
+        Background::Light => scenes::backdrop(&arguments.light)?,
+        Background::Screen(_) => Box::new(|_| [0.0; 3]),
+    };
+    let mut image = match &arguments.matrix {
+        Some(matrix) => {
+            let responses = responses(arguments, matrix, frames.len())?;
+            let colours = surface::vertex_colours(view.camera().eye(), &frames, responses.view())?;
+            view.interpolate(&colours, backdrop)?
+        }
+        None => traced(arguments, &view, &frames, backdrop, &bar)?,
+    };
+    drop(bar);
+    let coverage = view.coverage();
+    let (exposure, tone) = (arguments.exposure.unwrap_or(Exposure::Auto), arguments.tone.unwrap_or(Tone::Clip));
+    let stops = match exposure {
+        Exposure::Stops(stops) => stops,
+        Exposure::Auto => compared.as_ref().unwrap_or(&image).automatic_exposure(&coverage)?,
+    };
+    if let Background::Screen(colour) = arguments.background {
+        fill_behind(&mut image, &coverage, colour.map(|c| c / stops.exp2() as f32));
+    }
+    let mut errors = None;
+    if let Some(reference) = &compared {
+        let relative_squared_error = image.relative_squared_error(reference, &coverage)?;
+        let psnr_db = image.psnr(reference, &coverage, stops, tone)?;
+        errors = Some(Errors { relative_squared_error, psnr_db });
+        if let Some(path) = &arguments.error_map {
+            files::write_picture(path, &image.error_map(reference, &coverage, stops)?)?;
+        }
+    }
+    match linear(&arguments.output)? {
+        true => files::write_radiance(&arguments.output, &image)?,
+        false => files::write_picture(&arguments.output, &image.develop(stops, tone))?,
+    }
+    let filled = coverage.iter().filter(|c| **c == 1.0).count() as f64 / coverage.len() as f64;
+    let rendered = Rendered { seconds: began.elapsed().as_secs_f64(), filled, exposure: stops, errors };
+    if arguments.json { terminal::say_json(&rendered) } else { terminal::say(sentence(&rendered)) }
+}
+
+/// Refuses options that would say nothing.
+fn check(arguments: &Render) -> anyhow::Result<()> {
+    let Render { output, compare, error_map, exposure, tone, background, .. } = arguments;
+    let plain = linear(output)? && compare.is_none();
+    if plain && tone.is_some() {
+        bail!("--tone belongs to a .png: {} holds linear radiance", output.display());
+    }
+    if plain && exposure.is_some() && matches!(background, Background::Light) {
+        bail!("--exposure belongs to a .png: {} holds linear radiance", output.display());
+    }
+    if let Some(path) = error_map {
+        files::expect_extension(path, "png")?;
+    }
+    Ok(())
+}
+
+/// Whether the output file holds linear radiance; the other kind is a picture.
+fn linear(output: &Path) -> Result<bool> {
+    Ok(files::expect_one_of(output, &["png", "exr"])? == "exr")
+}
+
+/// A picture to compare with, of the size that will be rendered.
+fn compared(path: &Path, size: [usize; 2]) -> Result<Image> {
+    let image = files::read_radiance(path)?;
+    for (side, expected, found) in [("width", size[0], image.width), ("height", size[1], image.height)] {
+        Error::expect_size(format!("{side} of {} (--size says)", path.display()), expected, found)?;
+    }
+    Ok(image)
+}
+
+/// Responses of a matrix of `vertices` samples to the light: rows x 3.
+fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result<Array2<f32>> {
+    let fits = |shape: Shape, basis: &LightBasis| -> anyhow::Result<Array2<f32>> {
+        let (scene, path) = (&arguments.scene, path.display());
+        Error::expect_size(format!("samples of {path}, one for each vertex of {scene}"), vertices, shape.samples)?;
+        if let LightBasis::Plain { .. } = basis {
+            bail!("{path} does not say what its columns stand for: give --basis");
+        }
+        Ok(scenes::light(&arguments.light, basis)?)
+    };
+    let relit = |shape: Shape| Array2::zeros((shape.rows(), 3));
+    if files::expect_extension(path, "prt").is_err() {
+        let matrix = files::read_matrix(path, &Description { responses: None, basis: arguments.basis.clone() })?;
+        let (light, mut out) = (fits(matrix.shape(), matrix.basis())?, relit(matrix.shape()));
+        matrix.apply_into(light.view(), out.view_mut())?;
+        return Ok(out);
+    }
+    if arguments.basis.is_some() {
+        bail!("--basis belongs to a bare matrix: {} says what its columns stand for", path.display());
+    }
+    let compressed = files::read_prt(path, &registry())?;
+    let (light, mut out) = (fits(compressed.shape(), compressed.basis())?, relit(compressed.shape()));
+    compressed.apply_into(light.view(), out.view_mut())?;
+    Ok(out)
+}
+
+/// The brute-force picture.
+fn traced(
+    arguments: &Render,
+    view: &View,
+    frames: &[Frame],
+    backdrop: Backdrop,
+    progress: &dyn Progress,
+) -> Result<Image> {
+    let brdf = surface::brdf(arguments.brdf.as_deref().unwrap_or("lambert"))?;
+    let usual = Sampling::default();
+    let basis = arguments.basis.clone().unwrap_or(LightBasis::Cubemap { resolution: usual.resolution });
+    let LightBasis::Cubemap { resolution } = basis else {
+        let (what, expected) = ("light of --reference".into(), "cubemap:EDGE".into());
+        return Err(Error::Unsupported { what, expected, found: basis.to_string() });
+    };
+    let sampling = Sampling { resolution, supersampling: arguments.supersampling.unwrap_or(usual.supersampling) };
+    let light = scenes::light(&arguments.light, &basis)?;
+    Reference { frames, sampling, light: light.view(), brdf: &brdf }.image(view, backdrop, progress)
+}
+
+/// Adds a colour to what the surface leaves open of each pixel.
+fn fill_behind(image: &mut Image, coverage: &[f32], colour: [f32; 3]) {
+    for (pixel, covered) in image.pixels.iter_mut().zip(coverage) {
+        pixel.iter_mut().zip(colour).for_each(|(pixel, colour)| *pixel += (1.0 - covered) * colour);
+    }
+}
+
+fn sentence(rendered: &Rendered) -> String {
+    let Rendered { seconds, filled, exposure, errors } = rendered;
+    let (percent, seconds) = (number::short(100.0 * filled), number::short(*seconds));
+    let mut text = format!("surface on {percent} % of the pixels, exposure {exposure:+.2} EV, rendered in {seconds} s");
+    if let Some(Errors { relative_squared_error, psnr_db }) = errors {
+        let (error, psnr) = (number::short(*relative_squared_error), number::short(*psnr_db));
+        text += &format!("; relative squared error {error}, PSNR {psnr} dB");
+    }
+    text
+}

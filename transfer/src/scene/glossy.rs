@@ -1,0 +1,254 @@
+//! `glossy`: exit radiance of every vertex in harmonics on its hemisphere, linear in distant light in harmonics (Sloan, Hall, Hart and
+//! Snyder 2003, §3 and appendix):
+//!
+//! ```text
+//! M_p = A⁻¹ B A⁻¹ R_p T_p                                                        (1)
+//! ```
+//!
+//! `T_p` takes the light to the radiance that arrives, `R_p` turns it into the vertex's frame, `A⁻¹` projects what was
+//! integrated over the hemisphere onto its harmonics by least squares (A is their Gram matrix there), `B_ij = ∫∫ y_i(v) y_j(s) ρ(v,s) s_z ds dv`
+//! reflects it, and `A⁻¹` projects what leaves. `A` is nearly singular (condition 1.5e5 at order 5, 3.5e9 at order 8), so that nothing here
+//! inverts it: with `A = L Lᵀ` and the orthonormal functions `q = L⁻¹ y` the same matrix is
+//!
+//! ```text
+//! M_p = L⁻ᵀ Q L⁻¹ R_p T_p,   Q_ij = ∫∫ q_i(v) q_j(s) ρ(v,s) s_z ds dv
+//! ```
+//!
+//! where no step amplifies an error by more than √cond A, and without the first `L⁻ᵀ` it is the one in orthonormal coordinates.
+
+use crate::basis::LightBasis;
+use crate::error::{Error, Result};
+use crate::params::Params;
+use crate::responses::{Coordinates, ResponseBasis};
+use crate::scene::bounce::{Arrival, Interreflecting};
+use crate::scene::brdf::Brdf;
+use crate::scene::dense::DenseSignal;
+use crate::scene::frames::Frame;
+use crate::scene::moments::VisibilityMoments;
+use crate::scene::shading::towards;
+use crate::scene::signal::{Samples, Sampling, Surface, Visible};
+use crate::sh::gauss_legendre;
+use crate::sh::{HemisphereSh, Products, Rotation};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+crate::params! {
+    /// How exit radiance is represented.
+    pub struct GlossyParams: "glossy" {
+        /// Harmonics of exit radiance: n², or n² - 1 without l = 1, m = 0; n from 1 to 10.
+        coefficients: usize = 24,
+        /// Bands in which arriving radiance is projected before it is reflected, 1 to 10.
+        incident: usize = 6,
+        /// Bands of the light, 1 to 10.
+        light: usize = 5,
+    }
+}
+
+/// Exit-radiance transfer of one BRDF.
+pub struct Glossy {
+    params: GlossyParams,
+    coordinates: Coordinates,
+    samples: Samples,
+    moments: VisibilityMoments,
+    products: Products,
+    /// Copied for each point, its factors being the same.
+    rotation: Rotation,
+    incident: HemisphereSh,
+    exit: HemisphereSh,
+    /// Q, exit x incident.
+    reflection: Vec<f64>,
+}
+
+impl Glossy {
+    /// Of a surface of one BRDF everywhere.
+    ///
+    /// # Errors
+    /// Parameters out of range.
+    pub fn new(params: GlossyParams, coordinates: Coordinates, brdf: &Brdf, sampling: &Sampling) -> Result<Glossy> {
+        for (name, value) in [("incident", params.incident), ("light", params.light)] {
+            if !(1..=HemisphereSh::MAX_ORDER).contains(&value) {
+                return Err(GlossyParams::refuse(name, value, format!("from 1 to {}", HemisphereSh::MAX_ORDER)));
+            }
+        }
+        let exit = HemisphereSh::new(params.coefficients)?;
+        let incident = HemisphereSh::new(params.incident * params.incident)?;
+        let samples = sampling.samples()?;
+        let identity = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        Ok(Glossy {
+            moments: VisibilityMoments::new(&samples, Products::bands(params.incident, params.light))?,
+            products: Products::new(params.incident, params.light)?,
+            rotation: Rotation::new(params.incident, identity)?,
+            reflection: reflection(brdf, &exit, &incident),
+            params,
+            coordinates,
+            samples,
+            incident,
+            exit,
+        })
+    }
+
+    /// The functions of exit radiance.
+    pub fn exit(&self) -> &HemisphereSh {
+        &self.exit
+    }
+
+    /// Bands of arriving radiance.
+    pub fn incident(&self) -> &HemisphereSh {
+        &self.incident
+    }
+
+    /// The functions of exit radiance towards a local direction.
+    fn exit_functions(&self, view: DVec3, out: &mut [f64]) {
+        match self.coordinates {
+            Coordinates::Harmonics => self.exit.evaluate(view.to_array(), out),
+            Coordinates::Orthonormal => self.exit.evaluate_orthonormal(view.to_array(), out),
+        }
+    }
+
+    /// Reflects: moments of arriving radiance in the vertex's frame (∫ over the hemisphere, incident coefficients x lights) become
+    /// exit radiance (exit coefficients x lights), which is added to `out`.
+    ///
+    /// # Errors
+    /// A matrix of another size.
+    pub fn reflect(&self, mut arriving: Vec<f64>, out: &mut [f32]) -> Result<()> {
+        let lights = self.params.light * self.params.light;
+        self.incident.project(&mut arriving)?;
+        let mut leaving = vec![0f64; self.exit.coefficients() * lights];
+        let rows = self.reflection.chunks_exact(self.incident.coefficients());
+        for (leaving, row) in leaving.chunks_exact_mut(lights).zip(rows) {
+            for (q, arriving) in row.iter().zip(arriving.chunks_exact(lights)) {
+                leaving.iter_mut().zip(arriving).for_each(|(y, x)| *y += q * x);
+            }
+        }
+        if self.coordinates == Coordinates::Harmonics {
+            self.exit.to_harmonic(&mut leaving)?;
+        }
+        Error::expect_size("numbers of exit radiance", leaving.len(), out.len())?;
+        out.iter_mut().zip(leaving).for_each(|(out, y)| *out += y as f32);
+        Ok(())
+    }
+}
+
+impl DenseSignal for Glossy {
+    fn basis(&self) -> LightBasis {
+        LightBasis::SphericalHarmonics { order: self.params.light }
+    }
+    fn responses(&self) -> ResponseBasis {
+        ResponseBasis::Exit { coefficients: self.exit.coefficients(), coordinates: self.coordinates }
+    }
+    fn samples(&self) -> &Samples {
+        &self.samples
+    }
+    fn rows_into(&self, surface: &Surface, point: usize, visible: &Visible, out: &mut [f32]) -> Result<()> {
+        let lights = self.params.light * self.params.light;
+        let mut moments = vec![0f64; self.moments.coefficients()];
+        self.moments.sum_into(visible, &mut moments);
+        let mut transfer = vec![0f64; self.incident.coefficients() * lights];
+        self.products.matrix_into(&moments, &mut transfer);
+        let mut rotation = self.rotation.clone();
+        rotation.set(axes(&surface.frames[point]))?;
+        let mut local = vec![0f64; transfer.len()];
+        rotation.apply_rows(&transfer, &mut local, lights)?;
+        self.reflect(local, out)
+    }
+}
+
+impl Interreflecting for Glossy {
+    fn bounce_into(
+        &self,
+        surface: &Surface,
+        point: usize,
+        arrivals: &[Arrival],
+        leaving: &[f32],
+        out: &mut [f32],
+    ) -> Result<()> {
+        let lights = self.params.light * self.params.light;
+        let mut arriving = vec![0f64; self.incident.coefficients() * lights];
+        let (mut y, mut radiance) = (vec![0f64; self.incident.coefficients()], vec![0f64; lights]);
+        let mut functions = vec![0f64; self.exit.coefficients()];
+        for arrival in arrivals {
+            // What leaves the corners in this direction, each in its own frame.
+            radiance.fill(0.0);
+            for (corner, share) in arrival.corners.into_iter().zip(arrival.shares) {
+                let view = towards(&surface.frames[corner as usize], -arrival.direction).as_dvec3();
+                self.exit_functions(view, &mut functions);
+                let rows = leaving[corner as usize * out.len()..][..out.len()].chunks_exact(lights);
+                for (row, function) in rows.zip(&functions) {
+                    let weight = f64::from(share) * function;
+                    radiance.iter_mut().zip(row).for_each(|(r, m)| *r += weight * f64::from(*m));
+                }
+            }
+            let local = surface.frames[point].to_local(arrival.direction).as_dvec3().normalize();
+            self.incident.evaluate(local.to_array(), &mut y);
+            for (arriving, y) in arriving.chunks_exact_mut(lights).zip(&y) {
+                let weight = f64::from(arrival.solid_angle) * y;
+                arriving.iter_mut().zip(&radiance).for_each(|(a, r)| *a += weight * r);
+            }
+        }
+        self.reflect(arriving, out)
+    }
+}
+
+/// The frame's axes as rows.
+fn axes(frame: &Frame) -> [[f64; 3]; 3] {
+    [frame.tangent, frame.bitangent, frame.normal].map(|axis| axis.as_dvec3().to_array())
+}
+
+/// Q, exit x incident, by quadrature over both hemispheres.
+fn reflection(brdf: &Brdf, exit: &HemisphereSh, incident: &HemisphereSh) -> Vec<f64> {
+    // A few nodes to the width of the lobe, and enough for the highest bands where it is wide.
+    let side = ((4.0 / brdf.width()).ceil() as usize).clamp(32, 80);
+    let lights = hemisphere(side, 4 * side);
+    let (rows, columns) = (exit.coefficients(), incident.coefficients());
+    let mut arriving = vec![0f64; lights.len() * columns];
+    for (y, (s, weight)) in arriving.chunks_exact_mut(columns).zip(&lights) {
+        incident.evaluate_orthonormal(s.to_array(), y);
+        y.iter_mut().for_each(|y| *y *= weight * s.z);
+    }
+    // The models are symmetric in x and in y: a quarter of the views says everything of functions of equal parity, and those of
+    // unequal parity do not mix.
+    let parities = |sh: &HemisphereSh| sh.indices().iter().map(|&k| parity(k)).collect::<Vec<_>>();
+    let (of_rows, of_columns) = (parities(exit), parities(incident));
+    let views: Vec<&(DVec3, f64)> = lights.iter().filter(|(v, _)| v.x > 0.0 && v.y > 0.0).collect();
+    let at = |(view, weight): &(DVec3, f64)| {
+        let (mut reflected, mut q) = (vec![0f64; columns], vec![0f64; rows]);
+        for (y, (s, _)) in arriving.chunks_exact(columns).zip(&lights) {
+            let rho = brdf.evaluate(*view, *s);
+            reflected.iter_mut().zip(y).for_each(|(r, y)| *r += rho * y);
+        }
+        exit.evaluate_orthonormal(view.to_array(), &mut q);
+        let mut product = vec![0f64; rows * columns];
+        for (i, row) in product.chunks_exact_mut(columns).enumerate() {
+            let same = row.iter_mut().zip(&reflected).zip(&of_columns).filter(|(_, p)| **p == of_rows[i]);
+            same.for_each(|((t, r), _)| *t = 4.0 * weight * q[i] * r);
+        }
+        product
+    };
+    let products: Vec<Vec<f64>> = views.into_par_iter().map(at).collect();
+    let mut sum = vec![0f64; rows * columns];
+    products.iter().for_each(|product| sum.iter_mut().zip(product).for_each(|(s, p)| *s += p));
+    sum
+}
+
+/// Whether harmonic k changes its sign with x, and with y.
+fn parity(k: usize) -> (bool, bool) {
+    let l = k.isqrt();
+    let m = k as i64 - (l * l + l) as i64;
+    // cos mφ under φ → π - φ, and under φ → -φ; sin the other way round.
+    ((m % 2 != 0) != (m < 0), m < 0)
+}
+
+/// Directions z > 0 with weights that integrate over the hemisphere: `rings` Gauss-Legendre nodes in z, none of the `around` on
+/// a plane of symmetry.
+fn hemisphere(rings: usize, around: usize) -> Vec<(DVec3, f64)> {
+    let turn = |a: usize| 2.0 * PI * (a as f64 + 0.5) / around as f64;
+    gauss_legendre(rings)
+        .into_iter()
+        .flat_map(|(x, weight)| (0..around).map(move |a| (0.5 + 0.5 * x, 0.5 * weight, turn(a))))
+        .map(|(z, weight, phi)| {
+            let radius = (1.0 - z * z).sqrt();
+            (DVec3::new(radius * phi.cos(), radius * phi.sin(), z), weight * 2.0 * PI / around as f64)
+        })
+        .collect()
+}
