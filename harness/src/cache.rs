@@ -1,9 +1,9 @@
 //! Precomputed matrices of a bench, kept beside its results so that resuming need not compute them again.
 
+use crate::compute;
 use crate::files::{self, Description};
 use crate::fingerprint;
 use crate::row::Row;
-use crate::scenes;
 use crate::signal::Signal;
 use crate::suite::Origin;
 use anyhow::Context;
@@ -55,7 +55,7 @@ pub fn prepare(folder: &Path, origin: &Origin, progress: &dyn Progress) -> anyho
             if let Some(about) = kept.filter(|_| path.exists()) {
                 return Ok(Prepared { about, path, matrix: None });
             }
-            let made = scenes::precompute(scene, *vertices, spec, progress)?;
+            let made = compute::precompute(scene, *vertices, spec, progress)?;
             let about = About::of(&made.matrix, made.traced.rays, made.seconds);
             let matrix = made.matrix;
             files::write_matrix(&path, &matrix)?;
@@ -176,6 +176,7 @@ pub fn make(path: PathBuf) -> anyhow::Result<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scenes;
     use crate::signal::Spec;
     use prt_transfer::{LightBasis, Quiet};
 

@@ -3,7 +3,8 @@
 use ndarray::{Array2, ArrayView2};
 use prt_transfer::image::{Image, Picture};
 use prt_transfer::io::{atomic, image, matrix, npy, prt};
-use prt_transfer::{Compressed, Error, Registry, Result, TransferMatrix};
+use prt_transfer::matrix::Layout;
+use prt_transfer::{Compressed, Error, Registry, Result, Shape, TransferMatrix};
 use std::path::Path;
 
 pub use prt_transfer::io::matrix::Description;
@@ -73,4 +74,10 @@ pub fn write_array(path: &Path, array: ArrayView2<f32>) -> Result<()> {
 /// Writes a file beside the old one and renames it, so that an interrupted run leaves the old file.
 pub fn write_beside(path: &Path, bytes: &[u8]) -> Result<()> {
     atomic::write(path, |file| file.write_all(bytes))
+}
+
+/// A dense matrix written row by row, samples x responses x lights where there are several responses.
+pub fn dense_writer(path: &Path, shape: Shape) -> Result<npy::RowWriter> {
+    let layout = if shape.responses > 1 { Layout::Samples } else { Layout::Rows };
+    npy::RowWriter::create(path, shape, layout)
 }

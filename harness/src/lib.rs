@@ -9,6 +9,7 @@ pub mod cache;
 pub mod charts;
 pub mod cli;
 pub mod compare;
+pub mod compute;
 pub mod decode;
 pub mod encode;
 pub mod error_sums;

@@ -1,22 +1,17 @@
-//! The one place where the program learns of scenes, lights and signals.
+//! The one place where the program learns of scenes and lights.
 
-use crate::signal::{Signal, Spec};
+use clap::ValueEnum;
+use glam::Vec3;
 use ndarray::Array2;
 use prt_transfer::basis::Direction;
 use prt_transfer::image::Image;
 use prt_transfer::mesh::Mesh;
-use prt_transfer::scene::biscale::biscale;
-use prt_transfer::scene::bvh::Occluders;
-use prt_transfer::scene::diffuse::diffuse;
-use prt_transfer::scene::frames::vertex_frames;
 use prt_transfer::scene::repair::{Repairs, repair};
 use prt_transfer::scene::resample::{lookup, resample};
-use prt_transfer::scene::signal::{Sampling, Surface, Traced};
 use prt_transfer::scene::{lights, shapes};
-use prt_transfer::{Error, LightBasis, Progress, Result, TransferMatrix, io, sh};
+use prt_transfer::{Error, LightBasis, Result, io, sh};
 use serde::Serialize;
 use std::path::Path;
-use std::time::Instant;
 
 /// A built-in scene or light.
 #[derive(Clone, Debug, Serialize)]
@@ -25,18 +20,6 @@ pub struct About {
     pub name: &'static str,
     /// A sentence.
     pub about: &'static str,
-}
-
-/// A matrix and what it took.
-pub struct Precomputed {
-    /// The transfer matrix.
-    pub matrix: TransferMatrix,
-    /// What was mended in the mesh.
-    pub repairs: Repairs,
-    /// Occlusion rays answered, and the time that took, summed over threads.
-    pub traced: Traced,
-    /// Wall clock of everything, s.
-    pub seconds: f64,
 }
 
 /// The lights under which `prt bench` compares relit output, in the order of the columns of results.csv.
@@ -55,49 +38,39 @@ pub fn lights() -> Vec<About> {
     lights::all().iter().map(|l| About { name: l.name, about: l.about }).collect()
 }
 
-/// The transfer matrix of a built-in scene with about `vertices` vertices, or of a mesh file, which has its own.
-pub fn precompute(scene: &str, vertices: Option<usize>, spec: &Spec, progress: &dyn Progress) -> Result<Precomputed> {
-    let began = Instant::now();
-    let (mesh, repairs) = load(scene, vertices)?;
-    let (occluders, frames) = (Occluders::new(&mesh)?, vertex_frames(&mesh)?);
-    let surface = Surface { occluders: &occluders, points: &mesh.positions, frames: &frames };
-    let mut sampling = Sampling { supersampling: spec.supersampling, ..Sampling::default() };
-    if let LightBasis::Cubemap { resolution } = spec.basis {
-        sampling.resolution = resolution;
-    }
-    let (matrix, traced) = match spec.signal {
-        Signal::Diffuse => diffuse(&surface, &sampling, &spec.basis, progress)?,
-        Signal::Biscale => {
-            let sampled = LightBasis::Cubemap { resolution: sampling.resolution };
-            if spec.basis != sampled {
-                let (what, expected) = ("light basis of a biscale signal".into(), "cubemap:EDGE".into());
-                return Err(Error::Unsupported { what, expected, found: spec.basis.to_string() });
-            }
-            biscale(&surface, &sampling, spec.local_directions, progress)?
-        }
-    };
-    Ok(Precomputed { matrix, repairs, traced, seconds: began.elapsed().as_secs_f64() })
+/// Which axis of a mesh file points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Up {
+    /// y: the mesh is turned about x.
+    Y,
+    /// z, as everywhere here.
+    #[default]
+    Z,
 }
 
-/// The mesh of a scene, repaired: its vertices are the samples of its matrices.
-pub fn load(scene: &str, vertices: Option<usize>) -> Result<(Mesh, Repairs)> {
-    repair(mesh(scene, vertices)?).map_err(|e| e.in_file(scene))
+/// The mesh of a built-in scene with about `vertices` vertices, or of a mesh file, which has its own; repaired: its vertices are the
+/// samples of its matrices.
+pub fn load(scene: &str, vertices: Option<usize>, up: Up) -> Result<(Mesh, Repairs)> {
+    repair(mesh(scene, vertices, up)?).map_err(|e| e.in_file(scene))
 }
 
 /// A mesh file by its extension, or a built-in scene.
-fn mesh(scene: &str, vertices: Option<usize>) -> Result<Mesh> {
+fn mesh(scene: &str, vertices: Option<usize>, up: Up) -> Result<Mesh> {
+    let refuse = |what: &str, expected: &str, found: String| {
+        Err(Error::Unsupported { what: format!("{what} of {scene}"), expected: expected.into(), found })
+    };
     if Path::new(scene).extension().is_none() {
         let shape = shapes::find(scene)?;
-        return shape.build(vertices.unwrap_or(shape.default_vertices));
+        return match up {
+            Up::Z => shape.build(vertices.unwrap_or(shape.default_vertices)),
+            Up::Y => refuse("upward axis", "z, as of every built-in scene", "y".into()),
+        };
     }
-    match vertices {
-        None => io::mesh::read(scene),
-        Some(vertices) => Err(Error::Unsupported {
-            what: format!("vertices of {scene}"),
-            expected: "its own, which a mesh file keeps".into(),
-            found: vertices.to_string(),
-        }),
+    if let Some(vertices) = vertices {
+        return refuse("vertices", "its own, which a mesh file keeps", vertices.to_string());
     }
+    let mesh = io::mesh::read(scene)?;
+    Ok(if up == Up::Y { mesh.turned(|v| Vec3::new(v.x, -v.z, v.y)) } else { mesh })
 }
 
 /// A built-in light or an image file (.exr, .hdr) in `basis`: lights x 3 channels. Negative pixels are taken for 0.

@@ -79,6 +79,12 @@ impl Mesh {
         }
     }
 
+    /// The mesh with every position and normal taken through a rotation.
+    pub fn turned(mut self, rotation: impl Fn(Vec3) -> Vec3) -> Mesh {
+        self.positions.iter_mut().chain(&mut self.normals).for_each(|v| *v = rotation(*v));
+        self
+    }
+
     /// The mesh moved and scaled (without distortion) so that its bounds are centred on the origin and the longest side
     /// runs from -1 to 1.
     pub fn fitted(mut self) -> Mesh {

@@ -1,12 +1,14 @@
 //! The command line of `prt render`.
 
+use crate::scenes::Up;
 use clap::Args;
 use glam::Vec3;
-use prt_transfer::LightBasis;
 use prt_transfer::image::Tone;
 use prt_transfer::mesh::Mesh;
 use prt_transfer::params::Value;
+use prt_transfer::scene::brdf::Brdf;
 use prt_transfer::scene::camera::{Camera, Film};
+use prt_transfer::{LightBasis, ResponseBasis};
 use std::path::PathBuf;
 
 /// Arguments of `prt render`.
@@ -18,7 +20,7 @@ pub struct Render {
     /// A built-in scene (`prt scenes` lists them) or a mesh (.ply, .obj): the one that the matrix was computed of
     #[arg(value_name = "SCENE|MESH")]
     pub scene: String,
-    /// Matrix of diffuse transfer: .prt, .npz, .npy or .mtx
+    /// Its matrix, of any signal: .prt, .npz, .npy or .mtx
     #[arg(required_unless_present = "reference", conflicts_with = "reference")]
     pub matrix: Option<PathBuf>,
     /// Instead of a matrix: trace the light at every sample of the picture
@@ -30,6 +32,12 @@ pub struct Render {
     /// Vertices of a built-in scene, as they were asked of `prt precompute` [default: the scene's own]
     #[arg(long, value_name = "N")]
     pub vertices: Option<usize>,
+    /// The axis of a mesh file that points up, as it was given to prt precompute
+    #[arg(long, value_name = "AXIS", default_value = "z")]
+    pub up: Up,
+    /// What the rows of a sample stand for, where the matrix does not say: irradiance, local:8, exit:24 or terms:16:BRDF
+    #[arg(long, value_name = "RESPONSES", conflicts_with = "reference")]
+    pub responses: Option<ResponseBasis>,
     /// What the columns stand for, where the matrix does not say; with --reference the cubemap on which light is sampled
     /// [default: cubemap:32]
     #[arg(long, value_name = "BASIS")]
@@ -37,9 +45,10 @@ pub struct Render {
     /// Visibility of --reference is sampled with 2^m x 2^m rays for each texel [default: 1]
     #[arg(long, value_name = "m", requires = "reference", value_parser = clap::value_parser!(u32).range(0..=4))]
     pub supersampling: Option<u32>,
-    /// How the surface of --reference reflects [default: lambert]
-    #[arg(long, requires = "reference")]
-    pub brdf: Option<String>,
+    /// The surface's reflectance, where no matrix holds it already: with --reference and biscale any, with diffuse lambert (see prt methods)
+    /// [default: lambert]
+    #[arg(long)]
+    pub brdf: Option<Brdf>,
     /// A built-in light (`prt scenes` lists them) or a lat-long image (.exr, .hdr)
     #[arg(long, value_name = "LIGHT", default_value = "sky")]
     pub light: String,

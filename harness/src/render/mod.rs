@@ -1,7 +1,6 @@
 //! `prt render`: a picture of a scene, relit from a matrix or traced.
 
 mod arguments;
-mod surface;
 
 use crate::files::{self, Description};
 use crate::progress::Bar;
@@ -10,14 +9,16 @@ use crate::scenes::{self, Backdrop};
 use crate::{number, terminal};
 use anyhow::bail;
 pub use arguments::{Background, Exposure, Place, Render};
+use glam::Vec3;
 use ndarray::Array2;
 use prt_transfer::image::{Image, Tone};
 use prt_transfer::scene::bvh::Occluders;
 use prt_transfer::scene::frames::{Frame, vertex_frames};
 use prt_transfer::scene::reference::Reference;
+use prt_transfer::scene::shading::Shading;
 use prt_transfer::scene::signal::Sampling;
 use prt_transfer::scene::view::View;
-use prt_transfer::{Error, LightBasis, Progress, Result, Shape};
+use prt_transfer::{Error, LightBasis, Progress, ResponseBasis, Result, Shape};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -51,7 +52,7 @@ pub fn run(arguments: &Render) -> anyhow::Result<()> {
     check(arguments)?;
     // First, so that nothing is traced for a picture that cannot be compared.
     let compared = arguments.compare.as_deref().map(|path| compared(path, arguments.size)).transpose()?;
-    let (mesh, _) = scenes::load(&arguments.scene, arguments.vertices)?;
+    let (mesh, _) = scenes::load(&arguments.scene, arguments.vertices, arguments.up)?;
     let (occluders, frames) = (Occluders::new(&mesh)?, vertex_frames(&mesh)?);
     let bar = Bar::default();
     let samples = arguments.samples.unwrap_or(if arguments.reference { 2 } else { 4 });
@@ -62,8 +63,8 @@ pub fn run(arguments: &Render) -> anyhow::Result<()> {
     };
     let mut image = match &arguments.matrix {
         Some(matrix) => {
-            let responses = responses(arguments, matrix, frames.len())?;
-            let colours = surface::vertex_colours(view.camera().eye(), &frames, responses.view())?;
+            let (shading, responses) = responses(arguments, matrix, frames.len())?;
+            let colours = shading.colours(&mesh.positions, &frames, view.camera().eye(), responses.view())?;
             view.interpolate(&colours, backdrop)?
         }
         None => traced(arguments, &view, &frames, backdrop, &bar)?,
@@ -126,30 +127,44 @@ fn compared(path: &Path, size: [usize; 2]) -> Result<Image> {
     Ok(image)
 }
 
-/// Responses of a matrix of `vertices` samples to the light: rows x 3.
-fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result<Array2<f32>> {
-    let fits = |shape: Shape, basis: &LightBasis| -> anyhow::Result<Array2<f32>> {
-        let (scene, path) = (&arguments.scene, path.display());
+/// Responses of a matrix of `vertices` samples to the light, rows x 3, and what they make of a view.
+fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result<(Shading, Array2<f32>)> {
+    let Render { scene, brdf, light, responses, basis, .. } = arguments;
+    let lit = |shape: Shape, columns: &LightBasis, rows: &ResponseBasis| -> anyhow::Result<(Shading, Array2<f32>)> {
+        let path = path.display();
         Error::expect_size(format!("samples of {path}, one for each vertex of {scene}"), vertices, shape.samples)?;
-        if let LightBasis::Plain { .. } = basis {
+        if let LightBasis::Plain { .. } = columns {
             bail!("{path} does not say what its columns stand for: give --basis");
         }
-        Ok(scenes::light(&arguments.light, basis)?)
+        if rows.is_plain() {
+            bail!("{path} does not say what its rows stand for: give --responses");
+        }
+        let shading = Shading::new(rows, brdf.as_ref())?;
+        let light = shading.light(columns, scenes::light(light, columns)?)?;
+        Ok((shading, light))
     };
     let relit = |shape: Shape| Array2::zeros((shape.rows(), 3));
     if files::expect_extension(path, "prt").is_err() {
-        let matrix = files::read_matrix(path, &Description { responses: None, basis: arguments.basis.clone() })?;
-        let (light, mut out) = (fits(matrix.shape(), matrix.basis())?, relit(matrix.shape()));
+        let matrix = files::read_matrix(path, &Description { responses: responses.clone(), basis: basis.clone() })?;
+        let ((shading, light), mut out) =
+            (lit(matrix.shape(), matrix.basis(), matrix.responses())?, relit(matrix.shape()));
         matrix.apply_into(light.view(), out.view_mut())?;
-        return Ok(out);
-    }
-    if arguments.basis.is_some() {
-        bail!("--basis belongs to a bare matrix: {} says what its columns stand for", path.display());
+        return Ok((shading, out));
     }
     let compressed = files::read_prt(path, &registry())?;
-    let (light, mut out) = (fits(compressed.shape(), compressed.basis())?, relit(compressed.shape()));
+    // A file that was encoded from a bare matrix may leave the meaning of rows open.
+    let said = compressed.responses();
+    let rows = match responses {
+        Some(given) if said.is_plain() && given.responses() == said.responses() => given,
+        Some(given) if given != said => bail!("--responses {given}: {} holds {said}", path.display()),
+        _ => said,
+    };
+    if basis.as_ref().is_some_and(|given| given != compressed.basis()) {
+        bail!("--basis belongs to a bare matrix: {} holds {}", path.display(), compressed.basis());
+    }
+    let ((shading, light), mut out) = (lit(compressed.shape(), compressed.basis(), rows)?, relit(compressed.shape()));
     compressed.apply_into(light.view(), out.view_mut())?;
-    Ok(out)
+    Ok((shading, out))
 }
 
 /// The brute-force picture.
@@ -160,7 +175,8 @@ fn traced(
     backdrop: Backdrop,
     progress: &dyn Progress,
 ) -> Result<Image> {
-    let brdf = surface::brdf(arguments.brdf.as_deref().unwrap_or("lambert"))?;
+    let brdf = arguments.brdf.clone().map_or_else(|| "lambert".parse(), Ok)?;
+    let reflectance = |out: Vec3, incoming: Vec3| brdf.evaluate(out.as_dvec3(), incoming.as_dvec3()) as f32;
     let usual = Sampling::default();
     let basis = arguments.basis.clone().unwrap_or(LightBasis::Cubemap { resolution: usual.resolution });
     let LightBasis::Cubemap { resolution } = basis else {
@@ -169,7 +185,7 @@ fn traced(
     };
     let sampling = Sampling { resolution, supersampling: arguments.supersampling.unwrap_or(usual.supersampling) };
     let light = scenes::light(&arguments.light, &basis)?;
-    Reference { frames, sampling, light: light.view(), brdf: &brdf }.image(view, backdrop, progress)
+    Reference { frames, sampling, light: light.view(), brdf: &reflectance }.image(view, backdrop, progress)
 }
 
 /// Adds a colour to what the surface leaves open of each pixel.

@@ -18,7 +18,7 @@ use crate::progress::Steps;
 use crate::row::Row;
 use crate::tables::quantity::BASELINE;
 use crate::timing::Budget;
-use crate::{cache, files, labels, number, registry, scenes, terminal};
+use crate::{cache, compute, files, labels, number, registry, terminal};
 use anyhow::ensure;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -67,7 +67,7 @@ pub fn run(arguments: &Stability, threads: usize) -> anyhow::Result<()> {
     let out = cache::make(arguments.out.clone())?;
     let (machine, pools) = (Machine::here(threads), Pools::new(threads)?);
     let bench = Bench { registry: &registry, pools: &pools, budget: Budget::of(BUDGET) };
-    let base = scenes::precompute(study.scene, Some(arguments.vertices as usize), &(study.spec)(), &Quiet)?.matrix;
+    let base = compute::precompute(study.scene, Some(arguments.vertices as usize), &(study.spec)(), &Quiet)?.matrix;
     let steps = Steps::new(sweeps.iter().map(|sweep| (sweep.values)(&base).len()).sum::<usize>() * methods.len());
     let subject = subject(study, &base);
     let mut measured = false;

@@ -5,13 +5,14 @@ use super::scatter::scattered;
 use super::values::quantised;
 use super::vertices::first_samples;
 use super::*;
+use crate::compute;
 use crate::fingerprint;
 use crate::signal::{Signal, Spec};
 use prt_transfer::LightBasis;
 
 fn base() -> TransferMatrix {
     let spec = Spec { local_directions: 4, ..Spec::new(Signal::Biscale, LightBasis::Cubemap { resolution: 16 }) };
-    scenes::precompute("blob", Some(60), &spec, &Quiet).unwrap().matrix
+    compute::precompute("blob", Some(60), &spec, &Quiet).unwrap().matrix
 }
 
 fn row(matrix: &TransferMatrix, row: usize) -> Vec<(usize, f32)> {

@@ -3,10 +3,10 @@
 use super::paper::{PaperScene, SceneOrigin};
 use crate::cache::About;
 use crate::compare::compare;
+use crate::compute;
 use crate::measure::{Bench, Reference};
 use crate::progress::Steps;
 use crate::row::Row;
-use crate::scenes;
 use crate::signal::Spec;
 use prt_transfer::Quiet;
 use std::path::{Path, PathBuf};
@@ -44,7 +44,7 @@ pub struct Surveyor<'a> {
 struct Subject {
     /// As a person reads it.
     name: String,
-    /// As [`scenes::precompute`] takes it.
+    /// As [`crate::compute::precompute`] takes it.
     scene: String,
     vertices: Option<usize>,
 }
@@ -102,7 +102,7 @@ impl<'a> Surveyor<'a> {
     fn reference(&self, subject: &Subject) -> anyhow::Result<(Reference, About)> {
         let path = Path::new(&subject.scene);
         anyhow::ensure!(path.extension().is_none() || path.exists(), "there is no file {}", path.display());
-        let made = scenes::precompute(&subject.scene, subject.vertices, &self.spec, &Quiet)?;
+        let made = compute::precompute(&subject.scene, subject.vertices, &self.spec, &Quiet)?;
         let about = About::of(&made.matrix, made.traced.rays, made.seconds);
         Ok((self.bench.pools.everywhere(|| Reference::new(made.matrix))?, about))
     }

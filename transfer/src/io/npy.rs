@@ -110,6 +110,13 @@ impl RowWriter {
         self.written += 1;
         self.file.put(bytemuck::cast_slice(row))
     }
+    /// The next rows, as many as `rows` holds.
+    pub fn push_rows(&mut self, rows: &[f32]) -> Result<()> {
+        let count = rows.len() / self.lights.max(1);
+        Error::expect_size("values of whole rows", count * self.lights, rows.len())?;
+        self.written += count;
+        self.file.put(bytemuck::cast_slice(rows))
+    }
     /// Puts the file in its place; every row must have been written.
     pub fn finish(self) -> Result<()> {
         Error::expect_size("rows written", self.rows, self.written)?;
