@@ -39,7 +39,7 @@ enum Command {
     Tables(tables::Tables),
     /// Finds where methods fail: sweeps over one parameter of a matrix, with charts
     Stability(stability::Stability),
-    /// Lists the built-in scenes and lights
+    /// Lists the built-in scenes and lights, and the BRDFs with their parameters
     Scenes(list::Scenes),
     /// Lists the light transforms and codecs with their parameters
     Methods(list::Methods),

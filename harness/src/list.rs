@@ -4,6 +4,7 @@ use crate::registry::registry;
 use crate::{scenes, terminal};
 use clap::Args;
 use prt_transfer::method::About;
+use prt_transfer::scene::brdf::Brdf;
 use serde_json::{Value, json};
 
 /// Arguments of `prt scenes`.
@@ -28,15 +29,18 @@ pub struct Methods {
 
 /// Runs `prt scenes`.
 pub fn scenes(arguments: &Scenes) -> anyhow::Result<()> {
-    let (scenes, lights) = (scenes::scenes(), scenes::lights());
+    let (scenes, lights, brdfs) = (scenes::scenes(), scenes::lights(), Brdf::all());
     if arguments.json {
-        return terminal::say_json(&json!({ "scenes": scenes, "lights": lights }));
+        let brdfs = brdfs.iter().map(stage).collect::<Vec<_>>();
+        return terminal::say_json(&json!({ "scenes": scenes, "lights": lights, "brdfs": brdfs }));
     }
     let mut lines = Vec::new();
     for (title, list) in [("Scenes", scenes), ("Lights", lights)] {
         lines.push(title.to_string());
         lines.extend(list.iter().map(|a| format!("  {:<14}{}", a.name, a.about)));
     }
+    lines.push("BRDFs".into());
+    brdfs.iter().for_each(|brdf| lines.extend(described(brdf)));
     terminal::say(lines.join("\n"))
 }
 
@@ -51,12 +55,15 @@ pub fn methods(arguments: &Methods) -> anyhow::Result<()> {
     let mut lines = Vec::new();
     for (title, list) in [("Light transforms", transforms), ("Codecs", codecs)] {
         lines.push(title.to_string());
-        for About { name, about, fields } in list {
-            lines.push(format!("  {name:<14}{about}"));
-            lines.extend(fields.iter().map(|f| format!("    {}={}  {}", f.name, f.default, f.doc.trim())));
-        }
+        list.iter().for_each(|about| lines.extend(described(about)));
     }
     terminal::say(lines.join("\n"))
+}
+
+/// A stage or model and its parameters, a line each.
+fn described(About { name, about, fields }: &About) -> impl Iterator<Item = String> {
+    let parameters = fields.iter().map(|f| format!("    {}={}  {}", f.name, f.default, f.doc.trim()));
+    std::iter::once(format!("  {name:<14}{about}")).chain(parameters)
 }
 
 fn stage(about: &About) -> Value {

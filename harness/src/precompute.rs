@@ -42,7 +42,7 @@ pub struct Precompute {
     /// Local directions of biscale: D x D over the hemisphere [default: 8]
     #[arg(long, value_name = "D", value_parser = count(1, 64))]
     pub local_directions: Option<usize>,
-    /// Reflectance of the surface, of glossy, terms and bounces: lambert:albedo=0.7, phong, cook-torrance or ward, see prt methods
+    /// Reflectance of the surface, of glossy, terms and bounces: lambert:albedo=0.7, phong, cook-torrance or ward, see prt scenes
     /// [default: cook-torrance; lambert for diffuse]
     #[arg(long)]
     pub brdf: Option<Brdf>,

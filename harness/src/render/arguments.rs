@@ -45,7 +45,7 @@ pub struct Render {
     /// Visibility of --reference is sampled with 2^m x 2^m rays for each texel [default: 1]
     #[arg(long, value_name = "m", requires = "reference", value_parser = clap::value_parser!(u32).range(0..=4))]
     pub supersampling: Option<u32>,
-    /// The surface's reflectance, where no matrix holds it already: with --reference and biscale any, with diffuse lambert (see prt methods)
+    /// The surface's reflectance, where no matrix holds it already: with --reference and biscale any, with diffuse lambert (see prt scenes)
     /// [default: lambert]
     #[arg(long)]
     pub brdf: Option<Brdf>,
@@ -77,6 +77,9 @@ pub struct Render {
     /// Write the error of each pixel: black up to 0.001 of white, then violet, red, orange, pale yellow from 1 on
     #[arg(long, value_name = "FILE.png", requires = "compare")]
     pub error_map: Option<PathBuf>,
+    /// Write the picture, the one compared with and the error of each pixel side by side
+    #[arg(long, value_name = "FILE.png", requires = "compare")]
+    pub beside: Option<PathBuf>,
     /// Print seconds, exposure and errors as one JSON object
     #[arg(long)]
     pub json: bool,

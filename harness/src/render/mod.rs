@@ -11,7 +11,7 @@ use anyhow::bail;
 pub use arguments::{Background, Exposure, Place, Render};
 use glam::Vec3;
 use ndarray::Array2;
-use prt_transfer::image::{Image, Tone};
+use prt_transfer::image::{Image, Picture, Tone};
 use prt_transfer::scene::bvh::Occluders;
 use prt_transfer::scene::frames::{Frame, vertex_frames};
 use prt_transfer::scene::reference::Reference;
@@ -84,8 +84,13 @@ pub fn run(arguments: &Render) -> anyhow::Result<()> {
         let relative_squared_error = image.relative_squared_error(reference, &coverage)?;
         let psnr_db = image.psnr(reference, &coverage, stops, tone)?;
         errors = Some(Errors { relative_squared_error, psnr_db });
+        let map = image.error_map(reference, &coverage, stops)?;
         if let Some(path) = &arguments.error_map {
-            files::write_picture(path, &image.error_map(reference, &coverage, stops)?)?;
+            files::write_picture(path, &map)?;
+        }
+        if let Some(path) = &arguments.beside {
+            let row = [image.develop(stops, tone), reference.develop(stops, tone), map];
+            files::write_picture(path, &Picture::beside(&row))?;
         }
     }
     match linear(&arguments.output)? {
@@ -99,7 +104,7 @@ pub fn run(arguments: &Render) -> anyhow::Result<()> {
 
 /// Refuses options that would say nothing.
 fn check(arguments: &Render) -> anyhow::Result<()> {
-    let Render { output, compare, error_map, exposure, tone, background, .. } = arguments;
+    let Render { output, compare, error_map, beside, exposure, tone, background, .. } = arguments;
     let plain = linear(output)? && compare.is_none();
     if plain && tone.is_some() {
         bail!("--tone belongs to a .png: {} holds linear radiance", output.display());
@@ -107,7 +112,7 @@ fn check(arguments: &Render) -> anyhow::Result<()> {
     if plain && exposure.is_some() && matches!(background, Background::Light) {
         bail!("--exposure belongs to a .png: {} holds linear radiance", output.display());
     }
-    if let Some(path) = error_map {
+    for path in [error_map, beside].into_iter().flatten() {
         files::expect_extension(path, "png")?;
     }
     Ok(())

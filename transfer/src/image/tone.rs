@@ -48,6 +48,19 @@ pub struct Picture {
     pub pixels: Vec<[u8; 3]>,
 }
 
+impl Picture {
+    /// Several pictures in a row, from left to right, at the top of one that holds them all; what is below the shorter ones is black.
+    pub fn beside(pictures: &[Picture]) -> Picture {
+        let height = pictures.iter().map(|p| p.height).max().unwrap_or(0);
+        let line = |y: usize| {
+            let of = move |p: &Picture| p.pixels.get(y * p.width..(y + 1) * p.width).map(<[_]>::to_vec);
+            pictures.iter().flat_map(move |p| of(p).unwrap_or_else(|| vec![[0; 3]; p.width]))
+        };
+        let pixels = (0..height).flat_map(line).collect();
+        Picture { width: pictures.iter().map(|p| p.width).sum(), height, pixels }
+    }
+}
+
 impl Image {
     /// The picture at `exposure` stops: radiance times 2^exposure, through the curve, rounded to 8 bits of sRGB.
     pub fn develop(&self, exposure: f64, tone: Tone) -> Picture {
@@ -120,6 +133,15 @@ mod tests {
         let picture = image.develop(1.0, Tone::Clip);
         assert_eq!(picture.pixels[1], image.develop(0.0, Tone::Clip).pixels[0]);
         assert_eq!(picture.pixels[0], [0.2, 0.4, 0.8].map(srgb));
+    }
+
+    #[test]
+    fn pictures_side_by_side_keep_their_pixels() {
+        let picture = |width, height, code: u8| Picture { width, height, pixels: vec![[code; 3]; width * height] };
+        let both = Picture::beside(&[picture(2, 1, 7), picture(1, 2, 9)]);
+        let codes: Vec<u8> = both.pixels.iter().map(|p| p[0]).collect();
+        assert_eq!((both.width, both.height, codes), (3, 2, vec![7, 7, 9, 0, 0, 9]));
+        assert_eq!(Picture::beside(&[]).pixels.len(), 0);
     }
 
     #[test]

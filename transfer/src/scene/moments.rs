@@ -63,3 +63,38 @@ impl VisibilityMoments {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::signal::Sampling;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        #[test]
+        fn sums_of_runs_are_sums_of_lanes(resolution in 1usize..20, supersampling in 0u32..3, seed in any::<u64>(), rough in any::<bool>()) {
+            let samples = Sampling { resolution, supersampling }.samples().unwrap();
+            let moments = VisibilityMoments::new(&samples, 4).unwrap();
+            // Noise, and long runs; never a lane that is not there.
+            let word = |tile: u64| {
+                let noise = (seed ^ tile).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+                if rough { noise } else { u64::MAX << (noise >> 58) }
+            };
+            let masks: Vec<u64> =
+                (0..samples.directions().tiles()).map(|t| word(t as u64) & samples.directions().filled(t)).collect();
+            let visible = Visible { masks: &masks };
+            let (mut found, mut expected, mut y) = (vec![f64::NAN; 16], vec![0f64; 16], vec![0f64; 16]);
+            moments.sum_into(&visible, &mut found);
+            for lane in visible.lanes() {
+                let sample = &samples.lanes()[lane];
+                crate::sh::evaluate(4, sample.direction.to_array().map(f64::from), &mut y).unwrap();
+                expected.iter_mut().zip(&y).for_each(|(e, y)| *e += sample.solid_angle * y);
+            }
+            for (found, expected) in found.iter().zip(&expected) {
+                prop_assert!((found - expected).abs() < 1e-10, "{found} {expected}");
+            }
+        }
+    }
+}

@@ -26,6 +26,7 @@
 mod extension;
 mod factor;
 mod kernel;
+mod svd;
 mod table;
 mod terms;
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! Singular values and functions of a BRDF, block by block.
 
 use super::kernel::{Kernel, Moments, Resolution};
-use crate::error::{Error, Result};
-use nalgebra::{DMatrix, SVD};
+use super::svd::Svd;
+use crate::error::Result;
+use nalgebra::DMatrix;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -153,21 +154,14 @@ fn decompose(azimuths: &[Azimuths], matrix: DMatrix<f64>) -> Result<Vec<Factor>>
     if size == 0 || matrix.iter().all(|v| *v == 0.0) {
         return Ok(Vec::new());
     }
-    let most = 200 * size;
-    let failed = || Error::Unsupported {
-        what: format!("singular values of a BRDF, a block of {size} x {size}"),
-        expected: format!("convergence within {most} iterations"),
-        found: "none".into(),
-    };
-    let svd = SVD::try_new(matrix, true, true, 5.0 * f64::EPSILON, most).ok_or_else(failed)?;
-    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Err(failed()) };
+    let Svd { u, sigma, v } = Svd::new(&matrix)?;
     let factors = |k: usize| {
         let (mut view, mut light): (Vec<f64>, Vec<f64>) =
-            (u.column(k).iter().copied().collect(), v_t.row(k).iter().copied().collect());
+            (u.column(k).iter().copied().collect(), v.column(k).iter().copied().collect());
         if is_negative(&view) {
             view.iter_mut().chain(&mut light).for_each(|x| *x = -*x);
         }
-        let sigma = svd.singular_values[k];
+        let sigma = sigma[k];
         azimuths.iter().map(move |a| Factor { azimuths: a.clone(), sigma, view: view.clone(), light: light.clone() })
     };
     Ok((0..size).flat_map(factors).collect())
