@@ -41,9 +41,9 @@ pub fn lights() -> Vec<About> {
 /// Which axis of a mesh file points up.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Up {
-    /// y: the mesh is turned about x.
+    /// The mesh is turned about x.
     Y,
-    /// z, as everywhere here.
+    /// As everywhere here.
     #[default]
     Z,
 }
