@@ -10,7 +10,7 @@
 //! | --- | --- |
 //! | (none) | the vocabulary, and the exact codecs [`dense`], [`csr`], [`compact`], [`runs`], [`visibility`] and half precision [`f16`](mod@f16) |
 //! | `io` | files: `.prt`, `.npz`, `.npy`, `.mtx`, `.ply`, `.obj`, `.exr`, `.hdr`, `.png` |
-//! | `scene` | meshes, built-in scenes and lights, visibility, the signals `biscale` and `diffuse`, ray-cast views |
+//! | `scene` | meshes, built-in scenes and lights, visibility, BRDFs, the signals `biscale`, `diffuse`, `glossy` and `terms`, pictures of them |
 
 pub mod basis;
 pub mod codec;
