@@ -25,13 +25,11 @@ use crate::scene::brdf::Brdf;
 use crate::scene::dense::DenseSignal;
 use crate::scene::frames::Frame;
 use crate::scene::moments::VisibilityMoments;
+use crate::scene::reflection::reflection;
 use crate::scene::shading::towards;
 use crate::scene::signal::{Samples, Sampling, Surface, Visible};
-use crate::sh::gauss_legendre;
 use crate::sh::{HemisphereSh, Products, Rotation};
 use glam::DVec3;
-use rayon::prelude::*;
-use std::f64::consts::PI;
 
 crate::params! {
     /// How exit radiance is represented.
@@ -193,62 +191,4 @@ impl Interreflecting for Glossy {
 /// The frame's axes as rows.
 fn axes(frame: &Frame) -> [[f64; 3]; 3] {
     [frame.tangent, frame.bitangent, frame.normal].map(|axis| axis.as_dvec3().to_array())
-}
-
-/// Q, exit x incident, by quadrature over both hemispheres.
-fn reflection(brdf: &Brdf, exit: &HemisphereSh, incident: &HemisphereSh) -> Vec<f64> {
-    // A few nodes to the width of the lobe, and enough for the highest bands where it is wide.
-    let side = ((4.0 / brdf.width()).ceil() as usize).clamp(32, 80);
-    let lights = hemisphere(side, 4 * side);
-    let (rows, columns) = (exit.coefficients(), incident.coefficients());
-    let mut arriving = vec![0f64; lights.len() * columns];
-    for (y, (s, weight)) in arriving.chunks_exact_mut(columns).zip(&lights) {
-        incident.evaluate_orthonormal(s.to_array(), y);
-        y.iter_mut().for_each(|y| *y *= weight * s.z);
-    }
-    // The models are symmetric in x and in y: a quarter of the views says everything of functions of equal parity, and those of
-    // unequal parity do not mix.
-    let parities = |sh: &HemisphereSh| sh.indices().iter().map(|&k| parity(k)).collect::<Vec<_>>();
-    let (of_rows, of_columns) = (parities(exit), parities(incident));
-    let views: Vec<&(DVec3, f64)> = lights.iter().filter(|(v, _)| v.x > 0.0 && v.y > 0.0).collect();
-    let at = |(view, weight): &(DVec3, f64)| {
-        let (mut reflected, mut q) = (vec![0f64; columns], vec![0f64; rows]);
-        for (y, (s, _)) in arriving.chunks_exact(columns).zip(&lights) {
-            let rho = brdf.evaluate(*view, *s);
-            reflected.iter_mut().zip(y).for_each(|(r, y)| *r += rho * y);
-        }
-        exit.evaluate_orthonormal(view.to_array(), &mut q);
-        let mut product = vec![0f64; rows * columns];
-        for (i, row) in product.chunks_exact_mut(columns).enumerate() {
-            let same = row.iter_mut().zip(&reflected).zip(&of_columns).filter(|(_, p)| **p == of_rows[i]);
-            same.for_each(|((t, r), _)| *t = 4.0 * weight * q[i] * r);
-        }
-        product
-    };
-    let products: Vec<Vec<f64>> = views.into_par_iter().map(at).collect();
-    let mut sum = vec![0f64; rows * columns];
-    products.iter().for_each(|product| sum.iter_mut().zip(product).for_each(|(s, p)| *s += p));
-    sum
-}
-
-/// Whether harmonic k changes its sign with x, and with y.
-fn parity(k: usize) -> (bool, bool) {
-    let l = k.isqrt();
-    let m = k as i64 - (l * l + l) as i64;
-    // cos mφ under φ → π - φ, and under φ → -φ; sin the other way round.
-    ((m % 2 != 0) != (m < 0), m < 0)
-}
-
-/// Directions z > 0 with weights that integrate over the hemisphere: `rings` Gauss-Legendre nodes in z, none of the `around` on
-/// a plane of symmetry.
-fn hemisphere(rings: usize, around: usize) -> Vec<(DVec3, f64)> {
-    let turn = |a: usize| 2.0 * PI * (a as f64 + 0.5) / around as f64;
-    gauss_legendre(rings)
-        .into_iter()
-        .flat_map(|(x, weight)| (0..around).map(move |a| (0.5 + 0.5 * x, 0.5 * weight, turn(a))))
-        .map(|(z, weight, phi)| {
-            let radius = (1.0 - z * z).sqrt();
-            (DVec3::new(radius * phi.cos(), radius * phi.sin(), z), weight * 2.0 * PI / around as f64)
-        })
-        .collect()
 }

@@ -25,6 +25,7 @@ pub mod lights;
 pub mod moments;
 pub mod ray;
 pub mod reference;
+mod reflection;
 pub mod repair;
 pub mod resample;
 mod room;

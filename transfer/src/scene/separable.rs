@@ -24,8 +24,8 @@
 //! | `projected` | 0.769 | 0.459 | 0.268 | 0.123 | 0.069 | 0.013 |
 
 mod extension;
-mod factor;
-mod kernel;
+pub(super) mod factor;
+pub(super) mod kernel;
 mod svd;
 mod table;
 mod terms;

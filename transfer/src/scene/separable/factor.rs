@@ -33,7 +33,7 @@ pub(super) struct Factor {
 }
 
 /// c_m is cos mφ or sin mφ divided by this.
-pub(super) fn norm(order: usize) -> f64 {
+pub(in crate::scene) fn norm(order: usize) -> f64 {
     if order == 0 { TAU.sqrt() } else { PI.sqrt() }
 }
 
@@ -142,7 +142,7 @@ fn strip(
 
 impl Moments {
     /// ∫ ρ c_m dφ over the azimuth of the light, at the view whose m-fold azimuth has this (sin, cos).
-    pub(super) fn of(&self, sine: bool, m: usize, (sin, cos): (f64, f64)) -> f64 {
+    pub(in crate::scene) fn of(&self, sine: bool, m: usize, (sin, cos): (f64, f64)) -> f64 {
         let (p, q) = (self.cos[m], self.sin[m]);
         (if sine { sin * p + cos * q } else { cos * p - sin * q }) / norm(m)
     }

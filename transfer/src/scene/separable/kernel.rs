@@ -8,54 +8,54 @@ use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
 /// How finely a BRDF is taken apart.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Resolution {
+pub(in crate::scene) struct Resolution {
     /// Rings of constant cosine over the hemisphere, of views and of lights.
-    pub(super) rings: usize,
+    pub(in crate::scene) rings: usize,
     /// Fourier orders of the azimuth: 0 to `orders` - 1.
-    pub(super) orders: usize,
+    pub(in crate::scene) orders: usize,
     /// Nodes of the view's azimuth in a quarter turn; 1 where only relative azimuths matter.
-    pub(super) sectors: usize,
+    pub(in crate::scene) sectors: usize,
 }
 
 /// One ring of directions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ring {
+pub(in crate::scene) struct Ring {
     /// Cosine with the normal.
-    pub(super) z: f64,
+    pub(in crate::scene) z: f64,
     /// For lights, ∫ f dω = Σ weight ∫ f dφ.
-    pub(super) light: f64,
+    pub(in crate::scene) light: f64,
     /// For views, ∫ f dμ = Σ weight ∫ f dφ.
-    pub(super) view: f64,
+    pub(in crate::scene) view: f64,
 }
 
 /// The operator ρ and the nodes at which its integrals are taken.
-pub(super) struct Kernel<'a> {
+pub(in crate::scene) struct Kernel<'a> {
     brdf: &'a Brdf,
     isotropic: bool,
     /// Gauss-Legendre nodes and weights on \[0, 1\].
     azimuths: Vec<(f64, f64)>,
     /// The rings.
-    pub(super) rings: Vec<Ring>,
+    pub(in crate::scene) rings: Vec<Ring>,
 }
 
 /// Integrals over the azimuth Δ of the light relative to the view, at one view and one cosine of the light.
-pub(super) struct Moments {
+pub(in crate::scene) struct Moments {
     /// ∫ ρ cos mΔ dΔ for m = 0, 1, …
-    pub(super) cos: Vec<f64>,
+    pub(in crate::scene) cos: Vec<f64>,
     /// ∫ ρ sin mΔ dΔ: zeros where only relative azimuths matter.
-    pub(super) sin: Vec<f64>,
+    pub(in crate::scene) sin: Vec<f64>,
     /// ∫ ρ² dΔ
-    pub(super) square: f64,
+    pub(in crate::scene) square: f64,
 }
 
 impl Moments {
-    pub(super) fn new(orders: usize) -> Moments {
+    pub(in crate::scene) fn new(orders: usize) -> Moments {
         Moments { cos: vec![0.0; orders], sin: vec![0.0; orders], square: 0.0 }
     }
 }
 
 impl Kernel<'_> {
-    pub(super) fn new(brdf: &Brdf, views: Views, resolution: Resolution) -> Kernel<'_> {
+    pub(in crate::scene) fn new(brdf: &Brdf, views: Views, resolution: Resolution) -> Kernel<'_> {
         let unit = |n| gauss_legendre(n).into_iter().map(|(x, weight)| (0.5 * (1.0 + x), 0.5 * weight));
         // z = t²: rings lie closer towards the horizon, where lobes narrow.
         let ring = |(t, weight): (f64, f64)| {
@@ -70,7 +70,7 @@ impl Kernel<'_> {
     ///
     /// The diffuse part is exact. The lobe lies about Δ = π, where it can be arbitrarily narrow near the horizon: Δ = π
     /// + w sinh x with w its width makes it smooth.
-    pub(super) fn moments(&self, view_z: f64, azimuth: (f64, f64), light_z: f64, out: &mut Moments) {
+    pub(in crate::scene) fn moments(&self, view_z: f64, azimuth: (f64, f64), light_z: f64, out: &mut Moments) {
         let sine = |z: f64| (1.0 - z * z).max(0.0).sqrt();
         let view = DVec3::new(sine(view_z) * azimuth.0, sine(view_z) * azimuth.1, view_z);
         let light_sine = sine(light_z);
