@@ -114,7 +114,8 @@ impl<'a> Computation<'a> {
     /// Computes a dense signal without bounces into a `.npy` as it goes, so that it never has to be in memory; `None`, and no file, for any
     /// other.
     pub fn write_npy(&self, path: &Path, progress: &dyn Progress) -> Result<Option<Streamed>> {
-        let Some(signal) = self.dense()?.filter(|_| self.spec.bounces == 0) else { return Ok(None) };
+        let signal = if self.spec.bounces == 0 { self.dense()? } else { None };
+        let Some(signal) = signal else { return Ok(None) };
         let shape = dense::shape(&*signal, self.mesh.positions.len())?;
         let (mut file, mut non_zeros) = (files::dense_writer(path, shape)?, 0);
         let traced = dense::stream(&*signal, &self.surface(), progress, |rows| {

@@ -69,6 +69,7 @@ impl Reference {
         let mut relit = Vec::new();
         // A basis without a place on the sphere has no light to compare under.
         for light in LIGHTS.iter().map_while(|name| scenes::light(name, basis).ok()) {
+            let light = matrix.responses().light(basis, light)?;
             let mut out = Array2::zeros((matrix.rows(), light.ncols()));
             matrix.apply_into(light.view(), out.view_mut())?;
             relit.push((light, out));

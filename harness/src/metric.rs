@@ -22,7 +22,7 @@ impl Metric {
     /// # Errors
     /// Responses that do not exist.
     pub fn of(matrix: &TransferMatrix) -> Result<Metric> {
-        let weights = matrix.basis().sphere_weights();
+        let weights = matrix.responses().light_weights(matrix.basis());
         let exit = match *matrix.responses() {
             ResponseBasis::Exit { coefficients, coordinates: Coordinates::Harmonics } => {
                 Some(HemisphereSh::new(coefficients)?)

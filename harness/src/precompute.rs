@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// Arguments of `prt precompute`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  prt precompute teapot --signal biscale -o teapot.npz\n  prt precompute bunny.ply --up y --signal diffuse --basis sh:5 --bounces 2 --brdf lambert:albedo=0.7 -o bunny.npz\n  prt precompute bunny.ply --up y --signal glossy --brdf cook-torrance:roughness=0.2 -o bunny.npz\n  prt precompute bunny.ply --up y --signal terms --terms 16 -o bunny.npy\n\nA .npz says what its rows and columns stand for. A .npy does not, but is written as it is computed: a matrix of any size fits in memory."
+    after_help = "Examples:\n  prt precompute teapot --signal biscale -o teapot.npz\n  prt precompute bunny.ply --up y --signal diffuse --basis sh:5 --bounces 2 --brdf lambert:albedo=0.7 -o bunny.npz\n  prt precompute bunny.ply --up y --signal glossy --brdf cook-torrance:roughness=0.2 -o bunny.npz\n  prt precompute bunny.ply --up y --signal terms --terms 16 -o bunny.npy\n\nA .npz says what its rows and columns stand for. A .npy does not, but a signal without bounces is written into it as it is computed and never held as a whole."
 )]
 pub struct Precompute {
     /// A built-in scene (`prt scenes` lists them) or a mesh (.ply, .obj)
@@ -58,7 +58,7 @@ pub struct Precompute {
     /// Functions of the BRDF of terms: a number, or the percentage of the sum of singular values that they hold, as 90% [default: 16]
     #[arg(long, value_name = "K|P%")]
     pub terms: Option<Terms>,
-    /// Interreflections of diffuse and glossy [default: 0]
+    /// Interreflections of diffuse and glossy, gathered with one ray for each texel [default: 0]
     #[arg(long, value_name = "N", value_parser = count(0, 1000))]
     pub bounces: Option<usize>,
     /// Where to write the matrix: .npz or .mtx (sparse), .npy (dense)
@@ -82,7 +82,7 @@ struct Told {
 }
 
 /// A whole number within a range.
-fn count(least: usize, most: usize) -> impl Fn(&str) -> Result<usize, String> + Clone {
+pub(crate) fn count(least: usize, most: usize) -> impl Fn(&str) -> Result<usize, String> + Clone {
     move |text| match text.parse() {
         Ok(number) if (least..=most).contains(&number) => Ok(number),
         _ => Err(format!("expected a whole number from {least} to {most}")),

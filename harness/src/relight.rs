@@ -4,7 +4,7 @@ use crate::registry::registry;
 use crate::{files, scenes};
 use clap::Args;
 use ndarray::Array2;
-use prt_transfer::{Error, LightBasis, Result};
+use prt_transfer::{Error, LightBasis, ResponseBasis, Result};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `prt relight`.
@@ -28,7 +28,7 @@ pub struct Relight {
 pub fn run(arguments: &Relight) -> anyhow::Result<()> {
     files::expect_extension(&arguments.output, "npy")?;
     let compressed = files::read_prt(&arguments.input, &registry())?;
-    let light = light(&arguments.light, compressed.basis())?;
+    let light = light(&arguments.light, compressed.basis(), compressed.responses())?;
     Error::expect_size(
         format!("light coefficients of '{}'", arguments.light),
         compressed.shape().lights,
@@ -39,11 +39,11 @@ pub fn run(arguments: &Relight) -> anyhow::Result<()> {
     Ok(files::write_array(&arguments.output, out.view())?)
 }
 
-/// Light coefficients, lights x channels: as a file has them, or projected onto `basis`.
-fn light(name: &str, basis: &LightBasis) -> Result<Array2<f32>> {
+/// Light coefficients, lights x channels: as a file has them, or radiance on `basis` as `responses` expect it.
+fn light(name: &str, basis: &LightBasis, responses: &ResponseBasis) -> Result<Array2<f32>> {
     let path = Path::new(name);
     match path.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("npy") => files::read_lights(path),
-        _ => scenes::light(name, basis),
+        _ => responses.light(basis, scenes::light(name, basis)?),
     }
 }

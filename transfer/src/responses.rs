@@ -5,13 +5,17 @@
 //! ([`crate::basis`]), a squared error of responses is an error of radiance only in the metric of their functions: the Gram matrix
 //! `A_ij = ∫ w_i w_j dv` over the hemisphere.
 
+use crate::basis::LightBasis;
 use crate::error::{Error, Result};
+use crate::label::Stage;
 use crate::matrix::MAX_LIGHTS;
+use crate::sh::HemisphereSh;
+use ndarray::Array2;
 use std::fmt;
 use std::str::FromStr;
 
-/// The response basis of a transfer matrix's rows. Written as `plain:64`, `irradiance`, `local:8`, `exit:24`,
-/// `exit-orthonormal:24` or `terms:16:BRDF`.
+/// The response basis of a transfer matrix's rows. Written as `plain:64`, `irradiance` or `irradiance:BRDF`, `local:8`, `exit:24`,
+/// `exit-orthonormal:24` or `terms:16:BRDF`, where a BRDF is a name with all of its parameters.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum ResponseBasis {
     /// Numbers without a meaning that is known.
@@ -20,8 +24,12 @@ pub enum ResponseBasis {
         responses: usize,
     },
     /// One response: irradiance in W/m², of a Lambertian surface.
-    Irradiance,
-    /// Light that arrives from around `edge`² directions in the sample's frame, see [`crate::hemisphere::local_directions`].
+    Irradiance {
+        /// The surface's, where it took part: in light that it reflected onto itself.
+        brdf: Option<String>,
+    },
+    /// Light that arrives from around `edge`² directions in the sample's frame, see [`crate::hemisphere::local_directions`]: elements are
+    /// parts of texels that are seen, without solid angles, which the light must bring along.
     LocalDirections {
         /// Directions along an edge of the square.
         edge: usize,
@@ -35,7 +43,7 @@ pub enum ResponseBasis {
         coordinates: Coordinates,
     },
     /// View-dependent functions φ_k of a BRDF that was factored into views and lights (Tsai and Shih 2006, Eq. 9), orthonormal
-    /// over the hemisphere of views.
+    /// over projected solid angle: ∫ φ_j φ_k cos θ dv is 1 or 0, so that views count as much as a picture shows of the surface.
     Terms {
         /// How many functions.
         terms: usize,
@@ -54,18 +62,42 @@ pub enum Coordinates {
     Orthonormal,
 }
 
-/// The largest order of harmonics on the hemisphere; beyond it f64 cannot tell them apart.
-pub const MAX_EXIT_ORDER: usize = 10;
-
 impl ResponseBasis {
     /// Responses of a sample.
     pub fn responses(&self) -> usize {
         match *self {
             ResponseBasis::Plain { responses } => responses,
-            ResponseBasis::Irradiance => 1,
+            ResponseBasis::Irradiance { .. } => 1,
             ResponseBasis::LocalDirections { edge } => edge * edge,
             ResponseBasis::Exit { coefficients, .. } => coefficients,
             ResponseBasis::Terms { terms, .. } => terms,
+        }
+    }
+
+    /// What a light of `basis`, lights x channels of radiance, must be for `y = T x`: itself, or for local directions radiance times the solid
+    /// angle of its texel.
+    ///
+    /// # Errors
+    /// A light of another size.
+    pub fn light(&self, basis: &LightBasis, mut light: Array2<f32>) -> Result<Array2<f32>> {
+        if let (ResponseBasis::LocalDirections { .. }, Some(angles)) = (self, basis.solid_angles()) {
+            Error::expect_size("texels of the light", angles.len(), light.nrows())?;
+            light.rows_mut().into_iter().zip(angles).for_each(|(mut row, angle)| row *= angle as f32);
+        }
+        Ok(light)
+    }
+
+    /// Weights of the columns, of mean 1, in which a squared error of elements is the expected one of output under light that is white noise
+    /// over the sphere: 1/dω where elements hold their texel's solid angle, dω where the light brings it along. `None` where all are
+    /// equal or columns have no place on the sphere.
+    pub fn light_weights(&self, basis: &LightBasis) -> Option<Vec<f64>> {
+        match self {
+            ResponseBasis::LocalDirections { .. } => {
+                let angles = basis.solid_angles()?;
+                let mean = angles.iter().sum::<f64>() / angles.len() as f64;
+                Some(angles.iter().map(|a| a / mean).collect())
+            }
+            _ => basis.sphere_weights(),
         }
     }
 
@@ -79,7 +111,8 @@ impl fmt::Display for ResponseBasis {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             ResponseBasis::Plain { responses } => write!(f, "plain:{responses}"),
-            ResponseBasis::Irradiance => f.write_str("irradiance"),
+            ResponseBasis::Irradiance { brdf: None } => f.write_str("irradiance"),
+            ResponseBasis::Irradiance { brdf: Some(brdf) } => write!(f, "irradiance:{brdf}"),
             ResponseBasis::LocalDirections { edge } => write!(f, "local:{edge}"),
             ResponseBasis::Exit { coefficients, coordinates: Coordinates::Harmonics } => {
                 write!(f, "exit:{coefficients}")
@@ -97,34 +130,42 @@ impl FromStr for ResponseBasis {
 
     /// A number alone is a plain basis.
     fn from_str(text: &str) -> Result<ResponseBasis> {
-        let refuse = || Error::Unknown {
+        let refuse = || {
+            Error::Unknown {
             what: "response basis",
             name: text.into(),
             known:
-                "a number, plain:NUMBER, irradiance, local:EDGE, exit:COEFFICIENTS and exit-orthonormal:COEFFICIENTS \
+                "a number, plain:NUMBER, irradiance, irradiance:BRDF, local:EDGE, exit:COEFFICIENTS and exit-orthonormal:COEFFICIENTS \
                     (n² or n² - 1, n up to 10), terms:NUMBER:BRDF"
                     .into(),
+        }
         };
         let number = |t: &str, most: usize| t.parse().ok().filter(|n| (1..=most).contains(n)).ok_or_else(refuse);
         if text.bytes().all(|b| b.is_ascii_digit()) {
             return Ok(ResponseBasis::Plain { responses: number(text, MAX_LIGHTS)? });
         }
         let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
-        let exit = |coordinates| match number(rest, MAX_EXIT_ORDER * MAX_EXIT_ORDER)? {
+        let exit = |coordinates| match number(rest, HemisphereSh::MAX_ORDER.pow(2))? {
             coefficients if is_exit(coefficients) => Ok(ResponseBasis::Exit { coefficients, coordinates }),
             _ => Err(refuse()),
         };
+        // A name and parameters, whoever knows them: nothing that could not be printed.
+        let brdf = |rest: &str| match rest.bytes().all(|b| b.is_ascii_graphic()) {
+            true => rest.parse::<Stage>().map(|stage| stage.to_string()),
+            false => Err(refuse()),
+        };
         match kind {
             "plain" => Ok(ResponseBasis::Plain { responses: number(rest, MAX_LIGHTS)? }),
-            "irradiance" if rest.is_empty() && text == kind => Ok(ResponseBasis::Irradiance),
+            "irradiance" if text == kind => Ok(ResponseBasis::Irradiance { brdf: None }),
+            "irradiance" => Ok(ResponseBasis::Irradiance { brdf: Some(brdf(rest)?) }),
             "local" => Ok(ResponseBasis::LocalDirections { edge: number(rest, crate::hemisphere::MAX_EDGE)? }),
             "exit" => exit(Coordinates::Harmonics),
             "exit-orthonormal" => exit(Coordinates::Orthonormal),
             "terms" => match rest.split_once(':') {
-                Some((terms, brdf)) if !brdf.is_empty() => {
-                    Ok(ResponseBasis::Terms { terms: number(terms, MAX_LIGHTS)?, brdf: brdf.into() })
+                Some((terms, rest)) => {
+                    Ok(ResponseBasis::Terms { terms: number(terms, MAX_LIGHTS)?, brdf: brdf(rest)? })
                 }
-                _ => Err(refuse()),
+                None => Err(refuse()),
             },
             _ => Err(refuse()),
         }
@@ -133,7 +174,7 @@ impl FromStr for ResponseBasis {
 
 /// Whether so many harmonics on the hemisphere are a set: n², or n² - 1 without l = 1, m = 0.
 fn is_exit(coefficients: usize) -> bool {
-    (1..=MAX_EXIT_ORDER).any(|n| coefficients == n * n || (n > 1 && coefficients == n * n - 1))
+    (1..=HemisphereSh::MAX_ORDER).any(|n| coefficients == n * n || (n > 1 && coefficients == n * n - 1))
 }
 
 #[cfg(test)]
@@ -143,7 +184,16 @@ mod tests {
     #[test]
     fn every_basis_reads_back_what_it_prints() {
         let brdf = "terms:16:cook-torrance:roughness=0.3";
-        for text in ["plain:64", "irradiance", "local:8", "exit:16", "exit:24", "exit-orthonormal:99", brdf] {
+        for text in [
+            "plain:64",
+            "irradiance",
+            "irradiance:lambert:albedo=0.5",
+            "local:8",
+            "exit:16",
+            "exit:24",
+            "exit-orthonormal:99",
+            brdf,
+        ] {
             let basis: ResponseBasis = text.parse().unwrap();
             assert_eq!(basis.to_string(), text);
             assert_eq!(basis.is_plain(), text.starts_with("plain"));
@@ -151,8 +201,19 @@ mod tests {
         let counts = ["7", "plain:7", "irradiance", "local:3", "exit:8", brdf];
         let found = counts.map(|text| text.parse::<ResponseBasis>().unwrap().responses());
         assert_eq!(found, [7, 7, 1, 9, 8, 16]);
-        let wrong =
-            ["", "0", "-1", "plain:", "plain:0", "irradiance:", "irradiance:1", "local:65", "exit:17", "exit:0"];
+        let wrong = [
+            "",
+            "0",
+            "-1",
+            "plain:",
+            "plain:0",
+            "irradiance:",
+            "irradiance: a",
+            "terms:2:\u{1b}[2J",
+            "local:65",
+            "exit:17",
+            "exit:0",
+        ];
         let more =
             ["exit:121", "exit-orthonormal:14", "terms:16", "terms:16:", "terms:0:lambert", "99999999999999999999"];
         for text in wrong.into_iter().chain(more) {

@@ -5,17 +5,17 @@ use glam::{DVec3, Vec3};
 use nalgebra::DMatrix;
 use prt_transfer::mesh::Mesh;
 use prt_transfer::responses::Coordinates;
-use prt_transfer::scene::bounce::interreflect;
+use prt_transfer::scene::bounce::{Arrival, Interreflecting, interreflect};
 use prt_transfer::scene::brdf::Brdf;
 use prt_transfer::scene::bvh::Occluders;
-use prt_transfer::scene::dense;
+use prt_transfer::scene::dense::{self, DenseSignal};
 use prt_transfer::scene::diffuse::diffuse;
 use prt_transfer::scene::frames::{self, Frame};
 use prt_transfer::scene::glossy::{Glossy, GlossyParams};
 use prt_transfer::scene::shapes;
-use prt_transfer::scene::signal::{Sampling, Surface};
+use prt_transfer::scene::signal::{Samples, Sampling, Surface, Visible};
 use prt_transfer::sh::{Harmonics, HemisphereSh, Rotation};
-use prt_transfer::{LightBasis, Quiet, TransferMatrix};
+use prt_transfer::{LightBasis, Quiet, ResponseBasis, Result, TransferMatrix};
 use std::f64::consts::PI;
 
 const SAMPLING: Sampling = Sampling { resolution: 16, supersampling: 1 };
@@ -285,4 +285,58 @@ fn glossy_light_bounces_as_diffuse_light_does_where_the_surface_is_diffuse() {
     let found: Vec<f64> = values(&glossy.matrix).chunks(81).flat_map(|m| m[..9].to_vec()).collect();
     let error = relative_error(&found, &expected);
     assert!(error < 1e-10, "{error}");
+}
+
+/// Surfaces that all send out radiance 1 in every direction, and reflect as a glossy surface does.
+struct Glowing(Glossy);
+
+impl DenseSignal for Glowing {
+    fn basis(&self) -> LightBasis {
+        self.0.basis()
+    }
+    fn responses(&self) -> ResponseBasis {
+        self.0.responses()
+    }
+    fn samples(&self) -> &Samples {
+        self.0.samples()
+    }
+    fn rows_into(&self, _: &Surface, _: usize, _: &Visible, out: &mut [f32]) -> Result<()> {
+        // 1 = √2π q_0
+        out[0] = (2.0 * PI).sqrt() as f32;
+        Ok(())
+    }
+}
+
+impl Interreflecting for Glowing {
+    fn bounce_into(&self, s: &Surface, point: usize, a: &[Arrival], leaving: &[f32], out: &mut [f32]) -> Result<()> {
+        self.0.bounce_into(s, point, a, leaving, out)
+    }
+}
+
+#[test]
+fn in_a_closed_glossy_furnace_every_point_sends_out_its_albedo() {
+    let mesh = shapes::find("bumpy-sphere").unwrap().build(150).unwrap();
+    let inside = Mesh {
+        normals: mesh.normals.iter().map(|n| -n).collect(),
+        faces: mesh.faces.iter().map(|&[a, b, c]| [a, c, b]).collect(),
+        ..mesh
+    };
+    let (points, gather) = (Points::of(&inside), Sampling { resolution: 32, supersampling: 0 });
+    let brdf: Brdf = "cook-torrance:roughness=0.2:f0=0.6:diffuse=0.2:specular=0.8".parse().unwrap();
+    let params = GlossyParams { coefficients: 9, incident: 4, light: 1 };
+    let signal = Glowing(glossy(&params, Coordinates::Orthonormal, &brdf.to_string(), &SAMPLING));
+    let bounced = interreflect(&signal, &points.surface(), &inside, &gather, 1, &Quiet).unwrap();
+    let (sh, mut expected) = (HemisphereSh::new(9).unwrap(), [0f64; 9]);
+    for (v, weight) in hemisphere(24, 20) {
+        let mut q = vec![0f64; 9];
+        sh.evaluate_orthonormal(v.to_array(), &mut q);
+        expected.iter_mut().zip(q).for_each(|(e, q)| *e += weight * q * brdf.albedo(v));
+    }
+    for (vertex, rows) in values(&bounced.matrix).chunks(9).enumerate() {
+        // Without the glow itself.
+        let reflected: Vec<f64> =
+            rows.iter().enumerate().map(|(i, m)| if i == 0 { m - (2.0 * PI).sqrt() } else { *m }).collect();
+        let error = relative_error(&reflected, &expected).sqrt();
+        assert!(error < 2e-2, "vertex {vertex}: {error}");
+    }
 }

@@ -97,20 +97,20 @@ fn black_surfaces_and_the_backs_of_others_send_nothing() {
     let scene = shapes::find("bumpy-sphere").unwrap().build(300).unwrap();
     let black = bounced(&scene, &diffuse(0.0), 2);
     assert!(black.energies[0] > 0.0 && black.energies[1..] == [0.0, 0.0]);
-    assert_eq!(black.matrix, bounced(&scene, &diffuse(0.0), 0).matrix);
+    assert!(black.matrix.as_dense() == bounced(&scene, &diffuse(0.0), 0).matrix.as_dense());
     // The back of what encloses it sends nothing.
     let back = Mesh { normals: turned_inside_out(scene.clone()).normals, ..scene };
-    let found = bounced(&back, &diffuse(1.0), 1);
-    assert!(found.energies[0] < 1e-6 && found.energies[1] == 0.0, "{:?}", found.energies);
+    let found = bounced(&back, &Glowing(diffuse(1.0)), 1);
+    assert_eq!(found.energies[1], 0.0);
     assert!(diffuse(1.0).with_albedo(1.1).is_err());
 }
 
 #[test]
 fn bounces_are_the_same_on_any_number_of_threads() {
     let mesh = shapes::find("chair").unwrap().build(300).unwrap();
-    let on = |threads| {
+    let [one, three] = [1, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| bounced(&mesh, &diffuse(0.8), 2))
-    };
-    assert_eq!((on(1).matrix, on(1).energies), (on(3).matrix, on(3).energies));
+    });
+    assert!(one.matrix == three.matrix && one.energies == three.energies);
 }

@@ -1,5 +1,6 @@
 //! The command line of `prt render`.
 
+use crate::precompute::count;
 use crate::scenes::Up;
 use clap::Args;
 use glam::Vec3;
@@ -14,7 +15,7 @@ use std::path::PathBuf;
 /// Arguments of `prt render`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  prt render teapot teapot.prt -o teapot.png\n  prt render bunny.ply bunny.npz --light hall.exr --azimuth 200 --elevation 15 -o bunny.png\n  prt render teapot --reference -o exact.exr\n  prt render teapot teapot.prt --compare exact.exr --error-map error.png -o teapot.png"
+    after_help = "Examples:\n  prt render teapot teapot.prt -o teapot.png\n  prt render bunny.ply bunny.npz --up y --light hall.exr --azimuth 200 --elevation 15 -o bunny.png\n  prt render teapot --reference -o exact.exr\n  prt render teapot teapot.prt --compare exact.exr --error-map error.png -o teapot.png"
 )]
 pub struct Render {
     /// A built-in scene (`prt scenes` lists them) or a mesh (.ply, .obj): the one that the matrix was computed of
@@ -23,14 +24,14 @@ pub struct Render {
     /// Its matrix, of any signal: .prt, .npz, .npy or .mtx
     #[arg(required_unless_present = "reference", conflicts_with = "reference")]
     pub matrix: Option<PathBuf>,
-    /// Instead of a matrix: trace the light at every sample of the picture
+    /// Instead of a matrix: trace direct light at every sample of the picture
     #[arg(long)]
     pub reference: bool,
     /// Where to write the picture: .png (exposed, tone-mapped) or .exr (linear radiance)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Vertices of a built-in scene, as they were asked of `prt precompute` [default: the scene's own]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count(1, 100_000_000))]
     pub vertices: Option<usize>,
     /// The axis of a mesh file that points up, as it was given to prt precompute
     #[arg(long, value_name = "AXIS", default_value = "z")]

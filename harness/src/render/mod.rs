@@ -145,7 +145,7 @@ fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result
             bail!("{path} does not say what its rows stand for: give --responses");
         }
         let shading = Shading::new(rows, brdf.as_ref())?;
-        let light = shading.light(columns, scenes::light(light, columns)?)?;
+        let light = rows.light(columns, scenes::light(light, columns)?)?;
         Ok((shading, light))
     };
     let relit = |shape: Shape| Array2::zeros((shape.rows(), 3));

@@ -68,7 +68,15 @@ pub fn read_from(source: impl Read + Seek, description: &Description) -> Result<
     };
     let basis = note.basis.map(|text| text.parse()).transpose()?;
     let responses = match (note.response_basis, note.responses) {
-        (Some(text), _) => Some(text.parse()?),
+        (Some(text), number) => {
+            let basis: ResponseBasis = text.parse()?;
+            Error::expect_size(
+                format!("responses of {basis}"),
+                basis.responses(),
+                number.unwrap_or(basis.responses()),
+            )?;
+            Some(basis)
+        }
         (None, number) => number.map(|responses| ResponseBasis::Plain { responses }),
     };
     let carried = Description { responses, basis };

@@ -36,7 +36,8 @@ pub fn biscale(
         Ok(rows)
     };
     let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-    let traced = for_each_point(surface, &samples, progress, at, |rows| {
+    let bytes = size_of::<(u32, f32)>() * basis.lights();
+    let traced = for_each_point(surface, &samples, bytes, progress, at, |rows| {
         for row in rows {
             columns.extend(row.iter().map(|e| e.0));
             values.extend(row.iter().map(|e| e.1));

@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::matrix::TransferMatrix;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
+use crate::responses::ResponseBasis;
 use crate::scene::dense::{self, DenseSignal};
 use crate::scene::signal::{Samples, Sampling, Surface, Traced};
 use glam::Vec3;
@@ -15,6 +16,11 @@ use rayon::prelude::*;
 
 /// A signal whose rows say what leaves a point towards any other.
 pub trait Interreflecting: DenseSignal {
+    /// What the rows stand for once they hold light that the surface reflected onto itself.
+    fn bounced(&self) -> ResponseBasis {
+        self.responses()
+    }
+
     /// Adds to `out`, the rows of `point`, what it reflects of light that `arrivals` bring; `leaving` are the rows of every point, in order, of
     /// the bounce before.
     fn bounce_into(
@@ -87,7 +93,8 @@ pub fn interreflect(
     }
     let shape = direct.shape();
     let matrix = TransferMatrix::from_dense(total, shape.rows(), shape.responses, signal.basis())?;
-    let matrix = matrix.with_responses(signal.responses())?;
+    let responses = if bounces > 0 { signal.bounced() } else { signal.responses() };
+    let matrix = matrix.with_responses(responses)?;
     Ok(Bounced { matrix: if shape.responses > 1 { matrix.by_samples() } else { matrix }, traced, energies })
 }
 

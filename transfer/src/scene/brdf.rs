@@ -90,6 +90,16 @@ impl Brdf {
         }
     }
 
+    /// Its name with every parameter, also those at their defaults: what a file may hold for ever.
+    pub fn in_full(&self) -> String {
+        match self {
+            Brdf::Lambert(model) => in_full(model.params()),
+            Brdf::Phong(model) => in_full(model.params()),
+            Brdf::CookTorrance(model) => in_full(model.params()),
+            Brdf::Ward(model) => in_full(model.params()),
+        }
+    }
+
     /// Whether only the difference of the azimuths matters.
     pub fn is_isotropic(&self) -> bool {
         match self {
@@ -161,6 +171,11 @@ impl fmt::Display for Brdf {
             Brdf::Ward(model) => model.params().to_stage().fmt(f),
         }
     }
+}
+
+fn in_full<P: Params>(params: &P) -> String {
+    let pairs = P::fields().into_iter().zip(params.values());
+    pairs.fold(P::NAME.to_string(), |text, (field, value)| format!("{text}:{}={value}", field.name))
 }
 
 /// Refuses a parameter outside `low..=high`.

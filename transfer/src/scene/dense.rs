@@ -1,7 +1,7 @@
 //! Signals whose rows are dense, computed point by point and handed on as they are finished.
 
 use crate::basis::LightBasis;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::matrix::{Shape, TransferMatrix};
 use crate::progress::Progress;
 use crate::responses::ResponseBasis;
@@ -41,7 +41,8 @@ pub fn stream(
         signal.rows_into(surface, point, visible, &mut rows)?;
         Ok(rows)
     };
-    for_each_point(surface, signal.samples(), progress, at, |rows| take(&rows))
+    let bytes = size_of::<f32>() * shape.responses * shape.lights;
+    for_each_point(surface, signal.samples(), bytes, progress, at, |rows| take(&rows))
 }
 
 /// The whole matrix, dense, samples x responses x lights.
@@ -51,7 +52,12 @@ pub fn matrix(
     progress: &dyn Progress,
 ) -> Result<(TransferMatrix, Traced)> {
     let shape = shape(signal, surface.points.len())?;
-    let mut values = Vec::with_capacity(shape.rows() * shape.lights);
+    let (mut values, elements) = (Vec::new(), shape.rows() * shape.lights);
+    values.try_reserve_exact(elements).map_err(|_| Error::Unsupported {
+        what: "dense matrix in memory".into(),
+        expected: "as much as there is, or a .npy, which is written as it is computed".into(),
+        found: format!("{elements} elements of 4 bytes"),
+    })?;
     let traced = stream(signal, surface, progress, |rows| {
         values.extend_from_slice(rows);
         Ok(())

@@ -85,7 +85,7 @@ impl DenseSignal for Diffuse {
         self.basis.clone()
     }
     fn responses(&self) -> ResponseBasis {
-        ResponseBasis::Irradiance
+        ResponseBasis::Irradiance { brdf: None }
     }
     fn samples(&self) -> &Samples {
         &self.samples
@@ -106,6 +106,10 @@ impl DenseSignal for Diffuse {
 }
 
 impl Interreflecting for Diffuse {
+    fn bounced(&self) -> ResponseBasis {
+        ResponseBasis::Irradiance { brdf: Some(format!("lambert:albedo={}", self.albedo)) }
+    }
+
     fn bounce_into(
         &self,
         surface: &Surface,

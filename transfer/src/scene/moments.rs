@@ -1,6 +1,6 @@
 //! Moments of visibility: what a point sees, in spherical harmonics.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::signal::{Samples, Visible};
 use crate::sh::Harmonics;
 use rayon::prelude::*;
@@ -15,6 +15,9 @@ pub struct VisibilityMoments {
     before: Vec<f64>,
 }
 
+/// Sums that are kept at most: 8 GB.
+const MAX_SUMS: usize = 1 << 30;
+
 /// Lanes of a tile.
 const TILE: usize = crate::scene::directions::TILE;
 
@@ -24,6 +27,11 @@ impl VisibilityMoments {
         let harmonics = Harmonics::new(order)?;
         let n = harmonics.coefficients();
         let tiles = samples.lanes().len() / TILE;
+        let (limit, found) = (MAX_SUMS as u64, tiles as u64 * (TILE as u64 + 1) * n as u64);
+        if found > limit {
+            let what = format!("moments of visibility, {} samples x {n} harmonics", samples.lanes().len());
+            return Err(Error::TooLarge { what, limit, found });
+        }
         let mut before = vec![0f64; tiles * (TILE + 1) * n];
         before.par_chunks_exact_mut((TILE + 1) * n).zip(samples.lanes().par_chunks_exact(TILE)).for_each(
             |(sums, lanes)| {

@@ -1,6 +1,5 @@
 //! From responses to what is seen: radiance that leaves a point towards a view.
 
-use crate::basis::LightBasis;
 use crate::error::{Error, Result};
 use crate::hemisphere::local_directions;
 use crate::responses::{Coordinates, ResponseBasis};
@@ -10,7 +9,7 @@ use crate::scene::separable::{SeparableBrdf, Terms};
 use crate::scene::terms::VIEWS;
 use crate::sh::HemisphereSh;
 use glam::{DVec3, Vec3};
-use ndarray::{Array2, ArrayView2};
+use ndarray::ArrayView2;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -52,20 +51,23 @@ impl Shading {
                 let known = "a known meaning: irradiance, local:EDGE, exit:N or terms:N:BRDF";
                 return Err(refuse(known, "numbers alone".into()));
             }
-            ResponseBasis::Irradiance => match brdf.cloned().map_or_else(white, Ok)? {
-                lambert @ Brdf::Lambert(_) => Weights::Irradiance { reflectance: lambert.albedo(DVec3::Z) / PI },
-                other => return Err(refuse("lambert, which irradiance is enough for", other.to_string())),
-            },
+            ResponseBasis::Irradiance { brdf: Some(_) } | ResponseBasis::Exit { .. } | ResponseBasis::Terms { .. }
+                if brdf.is_some() =>
+            {
+                let found = brdf.map(ToString::to_string).unwrap_or_default();
+                return Err(refuse("no other BRDF than the one in the matrix", found));
+            }
+            ResponseBasis::Irradiance { brdf: own } => {
+                let given = || brdf.cloned().map_or_else(white, Ok);
+                match own.as_ref().map_or_else(given, |own| own.parse())? {
+                    lambert @ Brdf::Lambert(_) => Weights::Irradiance { reflectance: lambert.albedo(DVec3::Z) / PI },
+                    other => return Err(refuse("lambert, which irradiance is enough for", other.to_string())),
+                }
+            }
             ResponseBasis::LocalDirections { edge } => Weights::Local {
                 directions: local_directions(*edge).into_iter().map(|d| Vec3::from(d).as_dvec3()).collect(),
                 brdf: brdf.cloned().map_or_else(white, Ok)?,
             },
-            ResponseBasis::Exit { .. } | ResponseBasis::Terms { .. } if brdf.is_some() => {
-                return Err(refuse(
-                    "no other BRDF than the one in the matrix",
-                    brdf.map(ToString::to_string).unwrap_or_default(),
-                ));
-            }
             ResponseBasis::Exit { coefficients, coordinates } => {
                 Weights::Exit { sh: HemisphereSh::new(*coefficients)?, coordinates: *coordinates }
             }
@@ -98,16 +100,6 @@ impl Shading {
             }
             Weights::Terms(separable) => separable.view(view.as_vec3(), out),
         }
-    }
-
-    /// Light coefficients as the responses expect them: local directions sum radiance over texels without solid angles, which
-    /// must then be in the light; all others take the light as it is.
-    pub fn light(&self, basis: &LightBasis, mut light: Array2<f32>) -> Result<Array2<f32>> {
-        if let (Weights::Local { .. }, Some(angles)) = (&self.weights, basis.solid_angles()) {
-            Error::expect_size("texels of the light", angles.len(), light.nrows())?;
-            light.rows_mut().into_iter().zip(angles).for_each(|(mut row, angle)| row *= angle as f32);
-        }
-        Ok(light)
     }
 
     /// RGB radiance of every point towards `eye`, from `output`, (points · responses) x 3.

@@ -135,14 +135,18 @@ impl Samples {
     }
 }
 
-/// Points of one batch for each thread: what is computed before anything is handed on.
+/// Points of one batch for each thread at most: what is computed before anything is handed on.
 const BATCH: usize = 32;
 
+/// Bytes of a batch at most, where more than one point for each thread has them.
+const BATCH_BYTES: usize = 64 << 20;
+
 /// Runs `signal(point, visible)` for every surface point on all cores and hands the results to `take` in the order of the points,
-/// batch by batch, so that they need not all be in memory.
+/// batch by batch, so that they need not all be in memory; `bytes` are those of one result, about.
 pub(crate) fn for_each_point<T: Send>(
     surface: &Surface,
     samples: &Samples,
+    bytes: usize,
     progress: &dyn Progress,
     signal: impl Fn(usize, &Visible) -> Result<T> + Sync,
     mut take: impl FnMut(T) -> Result<()> + Send,
@@ -158,7 +162,8 @@ pub(crate) fn for_each_point<T: Send>(
         progress.advance(1)?;
         signal(point, &Visible { masks })
     };
-    let batch = BATCH * rayon::current_num_threads();
+    let threads = rayon::current_num_threads();
+    let batch = (BATCH_BYTES / bytes.max(1)).clamp(threads, BATCH * threads);
     let mut ready: Vec<T> = Vec::new();
     for first in (0..surface.points.len()).step_by(batch) {
         let points = first..surface.points.len().min(first + batch);

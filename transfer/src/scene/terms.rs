@@ -30,7 +30,7 @@ impl TermTransfer {
         Ok(TermTransfer {
             samples: sampling.samples()?,
             basis: LightBasis::Cubemap { resolution: sampling.resolution },
-            brdf: brdf.to_string(),
+            brdf: brdf.in_full(),
             separable: SeparableBrdf::new(brdf, terms, VIEWS)?,
         })
     }

@@ -10,6 +10,9 @@ use crate::progress::Progress;
 use glam::Vec3;
 use rayon::prelude::*;
 
+/// Samples of a picture at most: 5 GB of places that are seen.
+const MAX_SEEN: usize = 1 << 28;
+
 /// Most samples along an edge of a pixel.
 pub const MAX_SAMPLES: usize = 16;
 
@@ -64,6 +67,10 @@ impl<'a> View<'a> {
             });
         }
         let row = camera.width() * samples * samples;
+        let (limit, found) = (MAX_SEEN as u64, (camera.height() as u64).saturating_mul(row as u64));
+        if found > limit {
+            return Err(Error::TooLarge { what: "samples of a picture (width x height x n x n)".into(), limit, found });
+        }
         let mut view = View { mesh, occluders, camera, samples, seen: Vec::new() };
         let mut seen = vec![None; view.camera.height() * row];
         progress.start("view", seen.len() as u64);

@@ -35,6 +35,7 @@ struct Node {
 impl Products {
     /// Rows i of bands below `rows`, columns j of bands below `columns`.
     pub fn new(rows: usize, columns: usize) -> Result<Products> {
+        [rows, columns].into_iter().try_for_each(super::check_order)?;
         let bands = rows + columns - 1;
         let harmonics = Harmonics::new(bands)?;
         let nodes = nodes(&harmonics, bands);
@@ -58,8 +59,11 @@ impl Products {
     }
 
     /// T, rows x columns, row by row, of the function with coefficients `f`; those beyond `f` are taken for 0.
+    ///
+    /// # Panics
+    /// Where `out` is of another size.
     pub fn matrix_into(&self, f: &[f64], out: &mut [f64]) {
-        debug_assert_eq!(out.len(), self.rows * self.columns);
+        assert_eq!(out.len(), self.rows * self.columns, "rows x columns");
         for (out, range) in out.iter_mut().zip(self.offsets.windows(2)) {
             let factors = &self.factors[range[0] as usize..range[1] as usize];
             *out = factors.iter().map(|&(k, factor)| factor * f.get(k as usize).copied().unwrap_or(0.0)).sum();

@@ -159,7 +159,7 @@ fn an_archive_carries_what_responses_stand_for_and_a_bare_number_agrees_with_it(
     }
     names(with(Some(plain(1))), "responses of a sample");
     names(with(Some("terms:2:lambert".parse().unwrap())), "responses of a sample");
-    assert!(known.with_responses(ResponseBasis::Irradiance).is_err());
+    assert!(known.with_responses(ResponseBasis::Irradiance { brdf: None }).is_err());
 }
 
 #[test]
