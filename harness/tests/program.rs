@@ -249,7 +249,10 @@ fn a_streamed_matrix_is_the_same_and_must_be_described() {
     let folder = folder.path();
     let of = ["precompute", "blob", "--vertices", "300", "--signal", "terms", "--terms", "3", "--basis", "cubemap:4"];
     let said = done(&[&of[..], &["-o", "T.npy"]].concat(), folder);
-    assert!(said.contains("--responses terms:3:cook-torrance --basis cubemap:4"), "{said}");
+    assert!(
+        said.contains("--responses terms:3:cook-torrance:roughness=0.3:") && said.contains("--basis cubemap:4"),
+        "{said}"
+    );
     done(&[&of[..], &["-o", "T.npz"]].concat(), folder);
     let described = ["--responses", "terms:3:cook-torrance", "--basis", "cubemap:4"];
     done(&[&["encode", "dense", "T.npy", "-o", "streamed.prt"][..], &described].concat(), folder);
