@@ -111,8 +111,8 @@ impl<'a> Computation<'a> {
         Precomputed { matrix, repairs: self.repairs, traced, energies, seconds: self.began.elapsed().as_secs_f64() }
     }
 
-    /// Computes a dense signal without bounces into a `.npy` as it goes, so that it never has to be in memory; `None`, and no file, for any
-    /// other.
+    /// Computes a dense signal without bounces into a `.npy` as it goes, so that it never has to be in memory; `None`,
+    /// and no file, for any other.
     pub fn write_npy(&self, path: &Path, progress: &dyn Progress) -> Result<Option<Streamed>> {
         let signal = if self.spec.bounces == 0 { self.dense()? } else { None };
         let Some(signal) = signal else { return Ok(None) };

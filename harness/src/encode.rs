@@ -25,7 +25,8 @@ pub struct Encode {
     /// Where to write the compressed matrix
     #[arg(short, long, value_name = "FILE.prt")]
     pub output: PathBuf,
-    /// What the rows of one sample stand for, where the matrix does not say: their number, or irradiance, local:8, exit:24, terms:16:BRDF
+    /// What the rows of one sample stand for, where the matrix does not say: their number, or irradiance, local:8,
+    /// exit:24, terms:16:BRDF
     #[arg(long, value_name = "RESPONSES")]
     pub responses: Option<ResponseBasis>,
     /// What the columns stand for, where the matrix does not say: cubemap:32, latlong:64x32, sh:5 or plain:100

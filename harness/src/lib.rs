@@ -1,8 +1,8 @@
 //! The `prt` program as a library: the registry of every method, measuring on the reloaded object, charts and reports.
 //!
-//! [`registry::registry`] knows every transform and codec of the workspace; [`measure::Bench`] takes a method through its
-//! file and fills a [`row::Row`]; [`mod@bench`] does so for a whole [`suite::Suite`] and draws what came out; [`tables`] does so for
-//! the tables of a paper, [`stability`] for matrices on which methods fail.
+//! [`registry::registry`] knows every transform and codec of the workspace; [`measure::Bench`] takes a method through
+//! its file and fills a [`row::Row`]; [`mod@bench`] does so for a whole [`suite::Suite`] and draws what came out;
+//! [`tables`] does so for the tables of a paper, [`stability`] for matrices on which methods fail.
 
 pub mod bench;
 pub mod cache;

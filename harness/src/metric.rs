@@ -6,8 +6,9 @@ use prt_transfer::{LightBasis, ResponseBasis, Result, TransferMatrix};
 
 /// The metric of a transfer matrix, on both sides.
 ///
-/// An error ΔM of a sample's rows is worth `Σ_ij A_ij ΔM_i G⁻¹ ΔM_jᵀ`: the expected squared error of exit radiance over the hemisphere under
-/// light that is white noise over the sphere, A being the Gram matrix of the responses' functions and G that of the light basis.
+/// An error ΔM of a sample's rows is worth `Σ_ij A_ij ΔM_i G⁻¹ ΔM_jᵀ`: the expected squared error of exit radiance over
+/// the hemisphere under light that is white noise over the sphere, A being the Gram matrix of the responses' functions
+/// and G that of the light basis.
 pub struct Metric {
     /// The diagonal of G⁻¹; `None` where it is the identity or not known.
     weights: Option<Vec<f64>>,

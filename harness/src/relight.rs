@@ -16,7 +16,8 @@ pub struct Relight {
     /// Compressed matrix
     #[arg(value_name = "FILE.prt")]
     pub input: PathBuf,
-    /// A built-in light (`prt scenes` lists them), a lat-long image (.exr, .hdr), or coefficients (.npy, lights or lights x channels)
+    /// A built-in light (`prt scenes` lists them), a lat-long image (.exr, .hdr), or coefficients (.npy, lights or
+    /// lights x channels)
     #[arg(long, value_name = "LIGHT")]
     pub light: String,
     /// Where to write the responses: .npy, rows x channels

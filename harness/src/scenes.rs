@@ -48,8 +48,8 @@ pub enum Up {
     Z,
 }
 
-/// The mesh of a built-in scene with about `vertices` vertices, or of a mesh file, which has its own; repaired: its vertices are the
-/// samples of its matrices.
+/// The mesh of a built-in scene with about `vertices` vertices, or of a mesh file, which has its own; repaired: its
+/// vertices are the samples of its matrices.
 pub fn load(scene: &str, vertices: Option<usize>, up: Up) -> Result<(Mesh, Repairs)> {
     repair(mesh(scene, vertices, up)?).map_err(|e| e.in_file(scene))
 }

@@ -47,8 +47,8 @@ impl fmt::Display for Signal {
     }
 }
 
-/// A signal with everything that decides its matrix, besides the mesh. Each field belongs to some of the signals and is not looked
-/// at by the others.
+/// A signal with everything that decides its matrix, besides the mesh. Each field belongs to some of the signals and is
+/// not looked at by the others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spec {
     /// The kind of transfer.
@@ -74,8 +74,8 @@ pub struct Spec {
 }
 
 impl Spec {
-    /// A signal as it is usual: 2x2 rays a texel, 8x8 local directions, the papers' BRDF (Cook-Torrance of roughness 0.3) in 24 harmonics or
-    /// 16 terms, direct light. A diffuse surface is white.
+    /// A signal as it is usual: 2x2 rays a texel, 8x8 local directions, the papers' BRDF (Cook-Torrance of roughness
+    /// 0.3) in 24 harmonics or 16 terms, direct light. A diffuse surface is white.
     pub fn new(signal: Signal, basis: LightBasis) -> Spec {
         let brdf = if signal == Signal::Diffuse { "lambert" } else { "cook-torrance" };
         Spec {

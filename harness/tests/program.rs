@@ -196,7 +196,8 @@ fn a_relit_scene_is_rendered_beside_its_reference() {
     assert!(!folder.join("out.png").exists() && !folder.join("out.exr").exists());
 }
 
-/// What every signal makes of a scene of one BRDF is what the light traced by itself makes of it, to what vertices far apart allow.
+/// What every signal makes of a scene of one BRDF is what the light traced by itself makes of it, to what vertices far
+/// apart allow.
 #[test]
 fn every_signal_is_computed_compressed_and_rendered() {
     let folder = tempfile::tempdir().unwrap();
@@ -242,7 +243,8 @@ fn every_signal_is_computed_compressed_and_rendered() {
     assert!(!folder.join("X.npz").exists());
 }
 
-/// A matrix that is written as it is computed is the one that is computed as a whole, and a bare file is read by its description.
+/// A matrix that is written as it is computed is the one that is computed as a whole, and a bare file is read by its
+/// description.
 #[test]
 fn a_streamed_matrix_is_the_same_and_must_be_described() {
     let folder = tempfile::tempdir().unwrap();

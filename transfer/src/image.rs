@@ -18,8 +18,8 @@ pub struct Image {
 }
 
 impl Image {
-    /// Makes a loaded image a light: negative values (lossy compression and colour conversion leave them) become 0. Returns
-    /// how many pixels had any.
+    /// Makes a loaded image a light: negative values (lossy compression and colour conversion leave them) become 0.
+    /// Returns how many pixels had any.
     ///
     /// # Errors
     /// A number of pixels that is not width times height or is 0, and NaN or infinite values, with column and row.

@@ -1,10 +1,11 @@
 //! The vocabulary of precomputed radiance transfer (PRT) compression.
 //!
-//! A scene turns incoming light into outgoing light by one linear operator **T**. Here it is a [`TransferMatrix`]: one row
-//! per response of a sample, one column per light coefficient of a [`LightBasis`]. A [`Codec`] compresses the matrix; what
-//! it returns is [`Encoded`]: it relights without being decompressed, reconstructs any row, counts its own floating-point
-//! operations and writes itself section by section, which is the only source of sizes. A [`LightTransform`] changes the
-//! columns first. A [`Method`] is one of each, named by a [`Label`] such as `haar+truncate:terms=64`.
+//! A scene turns incoming light into outgoing light by one linear operator **T**. Here it is a [`TransferMatrix`]: one
+//! row per response of a sample, one column per light coefficient of a [`LightBasis`]. A [`Codec`] compresses the
+//! matrix; what it returns is [`Encoded`]: it relights without being decompressed, reconstructs any row, counts its own
+//! floating-point operations and writes itself section by section, which is the only source of sizes. A
+//! [`LightTransform`] changes the columns first. A [`Method`] is one of each, named by a [`Label`] such as
+//! `haar+truncate:terms=64`.
 //!
 //! | feature | adds |
 //! | --- | --- |

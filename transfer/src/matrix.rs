@@ -142,8 +142,8 @@ pub struct TransferMatrix {
 }
 
 impl TransferMatrix {
-    /// A sparse matrix from compressed rows: `offsets.len()` = rows + 1, columns ascending strictly within a row, values
-    /// finite. Stored zeros are removed. `rows` must be a multiple of `responses`.
+    /// A sparse matrix from compressed rows: `offsets.len()` = rows + 1, columns ascending strictly within a row,
+    /// values finite. Stored zeros are removed. `rows` must be a multiple of `responses`.
     pub fn from_csr(
         offsets: Vec<usize>,
         columns: Vec<u32>,
@@ -191,7 +191,8 @@ impl TransferMatrix {
     pub fn from_dense(values: Vec<f32>, rows: usize, responses: usize, basis: LightBasis) -> Result<TransferMatrix> {
         let shape = shape_of_rows(rows, responses, basis.lights())?;
         Error::expect_size("values of a dense matrix", rows * shape.lights, values.len())?;
-        // Whole chunks without an early exit, which the compiler turns into vector code; the place only where there is one.
+        // Whole chunks without an early exit, which the compiler turns into vector code; the place only where there is
+        // one.
         const CHUNK: usize = 1 << 14;
         let bad = values.par_chunks(CHUNK).enumerate().find_map_first(|(i, chunk)| {
             let finite = chunk.iter().fold(true, |finite, v| finite & v.is_finite());

@@ -48,9 +48,9 @@ impl Mesh {
         self.faces.iter().map(|&f| self.corners(f)[0].dot(self.area_vector(f)) / 3.0).sum()
     }
 
-    /// Refuses what no algorithm here can work with: face indices beyond the vertices, positions or normals that are NaN
-    /// or infinite, and a number of normals that is neither 0 nor that of the positions. Each error names the face or the
-    /// vertex.
+    /// Refuses what no algorithm here can work with: face indices beyond the vertices, positions or normals that are
+    /// NaN or infinite, and a number of normals that is neither 0 nor that of the positions. Each error names the face
+    /// or the vertex.
     pub fn check(&self) -> Result<()> {
         if !self.normals.is_empty() {
             Error::expect_size("vertex normals", self.positions.len(), self.normals.len())?;

@@ -1,9 +1,9 @@
 //! What the responses of a sample stand for.
 //!
-//! The rows of a sample are coefficients of what leaves it. With weights `w_r(v)` that depend on the local view direction `v`, the
-//! radiance towards `v` is `Σ_r w_r(v) y_r` for the sample's responses `y = T x`. As on the side of the lights
-//! ([`crate::basis`]), a squared error of responses is an error of radiance only in the metric of their functions: the Gram matrix
-//! `A_ij = ∫ w_i w_j dv` over the hemisphere.
+//! The rows of a sample are coefficients of what leaves it. With weights `w_r(v)` that depend on the local view
+//! direction `v`, the radiance towards `v` is `Σ_r w_r(v) y_r` for the sample's responses `y = T x`. As on the side of
+//! the lights ([`crate::basis`]), a squared error of responses is an error of radiance only in the metric of their
+//! functions: the Gram matrix `A_ij = ∫ w_i w_j dv` over the hemisphere.
 
 use crate::basis::LightBasis;
 use crate::error::{Error, Result};
@@ -14,8 +14,8 @@ use ndarray::Array2;
 use std::fmt;
 use std::str::FromStr;
 
-/// The response basis of a transfer matrix's rows. Written as `plain:64`, `irradiance` or `irradiance:BRDF`, `local:8`, `exit:24`,
-/// `exit-orthonormal:24` or `terms:16:BRDF`, where a BRDF is a name with all of its parameters.
+/// The response basis of a transfer matrix's rows. Written as `plain:64`, `irradiance` or `irradiance:BRDF`, `local:8`,
+/// `exit:24`, `exit-orthonormal:24` or `terms:16:BRDF`, where a BRDF is a name with all of its parameters.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum ResponseBasis {
     /// Numbers without a meaning that is known.
@@ -28,22 +28,25 @@ pub enum ResponseBasis {
         /// The surface's, where it took part: in light that it reflected onto itself.
         brdf: Option<String>,
     },
-    /// Light that arrives from around `edge`² directions in the sample's frame, see [`crate::hemisphere::local_directions`]: elements are
-    /// parts of texels that are seen, without solid angles, which the light must bring along.
+    /// Light that arrives from around `edge`² directions in the sample's frame, see
+    /// [`crate::hemisphere::local_directions`]: elements are parts of texels that are seen, without solid angles, which
+    /// the light must bring along.
     LocalDirections {
         /// Directions along an edge of the square.
         edge: usize,
     },
-    /// Exit radiance in real spherical harmonics on the hemisphere around the normal (Sloan et al. 2003, appendix): order²
-    /// functions, or order² - 1 without the one of l = 1, m = 0, which the others nearly make up. They are not orthonormal there.
+    /// Exit radiance in real spherical harmonics on the hemisphere around the normal (Sloan et al. 2003, appendix):
+    /// order² functions, or order² - 1 without the one of l = 1, m = 0, which the others nearly make up. They are not
+    /// orthonormal there.
     Exit {
         /// How many functions.
         coefficients: usize,
         /// Which coefficients of them.
         coordinates: Coordinates,
     },
-    /// View-dependent functions φ_k of a BRDF that was factored into views and lights (Tsai and Shih 2006, Eq. 9), orthonormal
-    /// over projected solid angle: ∫ φ_j φ_k cos θ dv is 1 or 0, so that views count as much as a picture shows of the surface.
+    /// View-dependent functions φ_k of a BRDF that was factored into views and lights (Tsai and Shih 2006, Eq. 9),
+    /// orthonormal over projected solid angle: ∫ φ_j φ_k cos θ dv is 1 or 0, so that views count as much as a picture
+    /// shows of the surface.
     Terms {
         /// How many functions.
         terms: usize,
@@ -55,10 +58,11 @@ pub enum ResponseBasis {
 /// Coordinates of exit radiance f on the hemisphere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Coordinates {
-    /// c: f = Σ c_i y_i by least squares, the paper's. A squared error in them is no error of radiance: `∫ f² = cᵀ A c`.
+    /// c: f = Σ c_i y_i by least squares, the paper's. A squared error in them is no error of radiance: `∫ f² = cᵀ A
+    /// c`.
     Harmonics,
-    /// d = Lᵀ c with A = L Lᵀ: those of the same functions made orthonormal in the order of their bands. `∫ f² = |d|²`, so that any
-    /// codec that minimises squared error minimises that of radiance.
+    /// d = Lᵀ c with A = L Lᵀ: those of the same functions made orthonormal in the order of their bands. `∫ f² = |d|²`,
+    /// so that any codec that minimises squared error minimises that of radiance.
     Orthonormal,
 }
 
@@ -74,8 +78,8 @@ impl ResponseBasis {
         }
     }
 
-    /// What a light of `basis`, lights x channels of radiance, must be for `y = T x`: itself, or for local directions radiance times the solid
-    /// angle of its texel.
+    /// What a light of `basis`, lights x channels of radiance, must be for `y = T x`: itself, or for local directions
+    /// radiance times the solid angle of its texel.
     ///
     /// # Errors
     /// A light of another size.
@@ -87,9 +91,9 @@ impl ResponseBasis {
         Ok(light)
     }
 
-    /// Weights of the columns, of mean 1, in which a squared error of elements is the expected one of output under light that is white noise
-    /// over the sphere: 1/dω where elements hold their texel's solid angle, dω where the light brings it along. `None` where all are
-    /// equal or columns have no place on the sphere.
+    /// Weights of the columns, of mean 1, in which a squared error of elements is the expected one of output under
+    /// light that is white noise over the sphere: 1/dω where elements hold their texel's solid angle, dω where the
+    /// light brings it along. `None` where all are equal or columns have no place on the sphere.
     pub fn light_weights(&self, basis: &LightBasis) -> Option<Vec<f64>> {
         match self {
             ResponseBasis::LocalDirections { .. } => {
@@ -146,7 +150,9 @@ impl FromStr for ResponseBasis {
         }
         let (kind, rest) = text.split_once(':').unwrap_or((text, ""));
         let exit = |coordinates| match number(rest, HemisphereSh::MAX_ORDER.pow(2))? {
-            coefficients if is_exit(coefficients) => Ok(ResponseBasis::Exit { coefficients, coordinates }),
+            coefficients if HemisphereSh::new(coefficients).is_ok() => {
+                Ok(ResponseBasis::Exit { coefficients, coordinates })
+            }
             _ => Err(refuse()),
         };
         // A name and parameters, whoever knows them: nothing that could not be printed.
@@ -170,11 +176,6 @@ impl FromStr for ResponseBasis {
             _ => Err(refuse()),
         }
     }
-}
-
-/// Whether so many harmonics on the hemisphere are a set: n², or n² - 1 without l = 1, m = 0.
-fn is_exit(coefficients: usize) -> bool {
-    (1..=HemisphereSh::MAX_ORDER).any(|n| coefficients == n * n || (n > 1 && coefficients == n * n - 1))
 }
 
 #[cfg(test)]

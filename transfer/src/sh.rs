@@ -1,7 +1,8 @@
-//! Real spherical harmonics: evaluation, [rotation](Rotation), [restriction to the hemisphere](HemisphereSh), projection of texels,
-//! and the light transform `sh`.
+//! Real spherical harmonics: evaluation, [rotation](Rotation), [restriction to the hemisphere](HemisphereSh),
+//! projection of texels, and the light transform `sh`.
 //!
-//! Convention: orthonormal over the sphere, z up, index `l(l+1)+m`, no Condon-Shortley phase. With x, y, z the unit direction,
+//! Convention: orthonormal over the sphere, z up, index `l(l+1)+m`, no Condon-Shortley phase. With x, y, z the unit
+//! direction,
 //!
 //! ```text
 //! Y_lm = √2 p_lm(z) Re (x+iy)^m      m > 0
@@ -9,8 +10,8 @@
 //!        √2 p_l|m|(z) Im (x+iy)^|m|  m < 0
 //! ```
 //!
-//! where `p_lm(z) (1-z²)^(m/2)` is the associated Legendre function scaled so that `2π ∫ p_lm² (1-z²)^m dz = 1`, positive at z = 1.
-//! Bands 0 and 1 are thus `√(1/4π)` and `√(3/4π) (y, z, x)`.
+//! where `p_lm(z) (1-z²)^(m/2)` is the associated Legendre function scaled so that `2π ∫ p_lm² (1-z²)^m dz = 1`,
+//! positive at z = 1. Bands 0 and 1 are thus `√(1/4π)` and `√(3/4π) (y, z, x)`.
 
 mod hemisphere;
 mod moments;
@@ -108,7 +109,8 @@ impl Harmonics {
     }
 }
 
-/// `out[l(l+1)+m]` = Y_lm(`direction`), a unit vector; `out.len()` = order². For many directions make [`Harmonics`] once.
+/// `out[l(l+1)+m]` = Y_lm(`direction`), a unit vector; `out.len()` = order². For many directions make [`Harmonics`]
+/// once.
 pub fn evaluate(order: usize, direction: Direction, out: &mut [f64]) -> Result<()> {
     let harmonics = Harmonics::new(order)?;
     Error::expect_size(format!("spherical harmonics of order {order}"), harmonics.coefficients(), out.len())?;

@@ -217,7 +217,8 @@ fn the_transfer_of_a_sphere_turns_with_the_light() {
         .map(|(z, phi)| Vec3::new((1.0 - z * z).sqrt() * phi.cos(), (1.0 - z * z).sqrt() * phi.sin(), z))
         .collect();
     let points = Points::in_the_open(&normals);
-    // The horizon is cut at the samples, which is all of the error that there is: it halves with the distance between them.
+    // The horizon is cut at the samples, which is all of the error that there is: it halves with the distance between
+    // them.
     let params = GlossyParams { coefficients: 16, incident: 3, light: 3 };
     let fine = Sampling { resolution: 64, supersampling: 3 };
     let found = values(&points.matrix(&glossy(&params, Coordinates::Orthonormal, "cook-torrance", &fine)));

@@ -11,8 +11,8 @@ fn sizes() -> impl Iterator<Item = usize> {
     (1..=HemisphereSh::MAX_ORDER).flat_map(|n| if n > 1 { vec![n * n, n * n - 1] } else { vec![1] })
 }
 
-/// Directions and weights that integrate products of two harmonics below `order` over the hemisphere exactly. Heights are the
-/// eigenvalues of Legendre's Jacobi matrix (Golub and Welsch 1969), which is not how the library finds them.
+/// Directions and weights that integrate products of two harmonics below `order` over the hemisphere exactly. Heights
+/// are the eigenvalues of Legendre's Jacobi matrix (Golub and Welsch 1969), which is not how the library finds them.
 fn quadrature(order: usize) -> Vec<([f64; 3], f64)> {
     let off = |k: usize| k as f64 / ((4 * k * k) as f64 - 1.0).sqrt();
     let eigen = SymmetricEigen::new(DMatrix::from_fn(order + 1, order + 1, |i, k| {
@@ -124,8 +124,9 @@ fn appendix_discarding_the_function_linear_in_z_costs_least() {
     assert_printed(left[23] / left[0], 3229.0, 1.0);
 }
 
-/// The largest and the mean squared error on the hemisphere, over all c of 25 and length 1, of the reconstruction `kept`·A c from
-/// harmonics of `order`: the eigenvalues of the upper left block of (K A - I)ᵀ A (K A - I), K = diag(kept(l, m)).
+/// The largest and the mean squared error on the hemisphere, over all c of 25 and length 1, of the reconstruction
+/// `kept`·A c from harmonics of `order`: the eigenvalues of the upper left block of (K A - I)ᵀ A (K A - I), K =
+/// diag(kept(l, m)).
 fn reflection_error(order: usize, kept: impl Fn(usize, i64) -> f64) -> (f64, f64) {
     let (n, a) = (order * order, gram(order * order));
     let scale = DVector::from_fn(n, |i, _| kept(i.isqrt(), i as i64 - (i.isqrt() * (i.isqrt() + 1)) as i64));
@@ -154,7 +155,8 @@ fn appendix_errors_of_zero_hemisphere_and_reflected_projections() {
 
 #[test]
 fn the_appendix_counts_and_figures_are_those_of_odd_meaning_a_change_of_sign() {
-    // As printed, "odd" are the y with y(x,y,z) = y(x,y,-z). A mirror tells them: its block is diagonal, 1 where that holds.
+    // As printed, "odd" are the y with y(x,y,z) = y(x,y,-z). A mirror tells them: its block is diagonal, 1 where that
+    // holds.
     let mirror = Rotation::new(8, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]).unwrap();
     let sign = |l: usize, m: i64| mirror.band(l)[(l as i64 + m) as usize * (2 * l + 2)];
     let (as_printed, opposite) = (|l, m| 1.0 + sign(l, m), |l, m| 1.0 - sign(l, m));
@@ -169,7 +171,8 @@ fn the_appendix_counts_and_figures_are_those_of_odd_meaning_a_change_of_sign() {
     assert!(reflection_error(8, as_printed).0 < 0.022 && reflection_error(7, opposite).0 > 0.145);
 }
 
-/// Bounds, at each order from 1, on the relative errors that the documentation prints: of c by way of d, of d from b, of c from b.
+/// Bounds, at each order from 1, on the relative errors that the documentation prints: of c by way of d, of d from b,
+/// of c from b.
 const ERRORS: [(f64, f64, f64); 10] = [
     (1e-15, 3e-15, 3e-15),
     (1e-15, 4e-15, 2e-14),

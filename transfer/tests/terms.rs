@@ -16,7 +16,8 @@ use prt_transfer::{Quiet, ResponseBasis};
 
 const SAMPLING: Sampling = Sampling { resolution: 8, supersampling: 1 };
 
-/// Exit radiance of the vertices that an eye sees well, ray by ray with the BRDF itself, beside what `terms` terms make of it.
+/// Exit radiance of the vertices that an eye sees well, ray by ray with the BRDF itself, beside what `terms` terms make
+/// of it.
 fn radiance(brdf: &str, terms: Terms) -> (Vec<f64>, Vec<f64>) {
     let mesh = shapes::find("blob").unwrap().build(120).unwrap();
     let (occluders, frames) = (Occluders::new(&mesh).unwrap(), vertex_frames(&mesh).unwrap());

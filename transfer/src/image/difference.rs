@@ -1,7 +1,7 @@
 //! How far an image is from its reference, over the pixels that a surface covers.
 //!
-//! A pixel counts where its coverage is 1, that is where every sample of it met the surface: the background, which is the same
-//! in both images and may hold the sun, stays out of the figures.
+//! A pixel counts where its coverage is 1, that is where every sample of it met the surface: the background, which is
+//! the same in both images and may hold the sun, stays out of the figures.
 
 use super::tone::{Picture, srgb};
 use super::{Image, Tone};
@@ -21,8 +21,8 @@ pub(super) fn covered(pixels: usize, coverage: &[f32]) -> Result<impl Iterator<I
 }
 
 impl Image {
-    /// Σ (I − R)² / Σ R² over the covered pixels, R, G and B together, of linear radiance. Without an error it is 0, and
-    /// infinite against a reference that is black.
+    /// Σ (I − R)² / Σ R² over the covered pixels, R, G and B together, of linear radiance. Without an error it is 0,
+    /// and infinite against a reference that is black.
     ///
     /// # Errors
     /// Images of different sizes, a coverage that is not one number a pixel, and no covered pixel.
@@ -38,9 +38,9 @@ impl Image {
         Ok(if error == 0.0 { 0.0 } else { error / energy })
     }
 
-    /// A picture of the error: for each covered pixel the root mean square of I − R over the channels, exposed by `exposure`
-    /// stops, on a logarithmic scale from 0.001 (black) over violet (0.006), red (0.03) and orange (0.2) to 1 and more (pale
-    /// yellow). What is not covered is black.
+    /// A picture of the error: for each covered pixel the root mean square of I − R over the channels, exposed by
+    /// `exposure` stops, on a logarithmic scale from 0.001 (black) over violet (0.006), red (0.03) and orange (0.2) to
+    /// 1 and more (pale yellow). What is not covered is black.
     ///
     /// # Errors
     /// As [`Image::relative_squared_error`].
@@ -65,8 +65,8 @@ impl Image {
 }
 
 impl Picture {
-    /// Peak signal-to-noise ratio in dB: 10 log₁₀ (255² / mean squared error) of the 8-bit codes of covered pixels, R, G and B
-    /// together; infinite between equal ones.
+    /// Peak signal-to-noise ratio in dB: 10 log₁₀ (255² / mean squared error) of the 8-bit codes of covered pixels, R,
+    /// G and B together; infinite between equal ones.
     ///
     /// # Errors
     /// As [`Image::relative_squared_error`].

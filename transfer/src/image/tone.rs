@@ -15,8 +15,8 @@ crate::choices! {
     pub enum Tone {
         /// Radiance as it is; everything from 1 on is white.
         Clip = "clip",
-        /// The film-like curve of Narkowicz (2015), fitted to the ACES reference rendering transform: a steep middle and a long
-        /// shoulder; 1 becomes 0.80 and 8 almost white.
+        /// The film-like curve of Narkowicz (2015), fitted to the ACES reference rendering transform: a steep middle
+        /// and a long shoulder; 1 becomes 0.80 and 8 almost white.
         Filmic = "filmic",
     }
 }
@@ -49,7 +49,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// Several pictures in a row, from left to right, at the top of one that holds them all; what is below the shorter ones is black.
+    /// Several pictures in a row, from left to right, at the top of one that holds them all; what is below the shorter
+    /// ones is black.
     pub fn beside(pictures: &[Picture]) -> Picture {
         let height = pictures.iter().map(|p| p.height).max().unwrap_or(0);
         let line = |y: usize| {
@@ -70,8 +71,8 @@ impl Image {
         Picture { width: self.width, height: self.height, pixels }
     }
 
-    /// The exposure in stops at which the luminance of the 95th percentile of the covered pixels (those whose `coverage` is 1;
-    /// every pixel where there is none) becomes 0.6 of white; 0 where it has no light.
+    /// The exposure in stops at which the luminance of the 95th percentile of the covered pixels (those whose
+    /// `coverage` is 1; every pixel where there is none) becomes 0.6 of white; 0 where it has no light.
     ///
     /// # Errors
     /// A coverage that is not one number a pixel.

@@ -27,18 +27,19 @@ pub fn read(path: impl AsRef<Path>) -> Result<Image> {
     parse(&bytes_of(path)?).map_err(|e| e.in_file(path))
 }
 
-/// Reads the first layer of an OpenEXR file that has R, G and B, or Y: any compression, scan lines or tiles, 16- and 32-bit
-/// floats and 32-bit integers. Alpha and other channels are ignored. The image is the display window: pixels outside the data
-/// window are 0. Deep data and sub-sampled colour are refused.
+/// Reads the first layer of an OpenEXR file that has R, G and B, or Y: any compression, scan lines or tiles, 16- and
+/// 32-bit floats and 32-bit integers. Alpha and other channels are ignored. The image is the display window: pixels
+/// outside the data window are 0. Deep data and sub-sampled colour are refused.
 pub fn read_exr(bytes: &[u8]) -> Result<Image> {
     openexr::read(bytes)
 }
 
-/// Reads a Radiance picture (`32-bit_rle_rgbe`): run-length encoded, old or new, or flat, in any of the eight orientations.
+/// Reads a Radiance picture (`32-bit_rle_rgbe`): run-length encoded, old or new, or flat, in any of the eight
+/// orientations.
 ///
-/// A pixel is mantissa · 2^(exponent - 136), the reading that image libraries share (Radiance's own adds half a step to the
-/// mantissa), divided by the header's EXPOSURE and COLORCORR as the format demands, so that values are radiance again.
-/// CIE XYZ pictures are refused.
+/// A pixel is mantissa · 2^(exponent - 136), the reading that image libraries share (Radiance's own adds half a step to
+/// the mantissa), divided by the header's EXPOSURE and COLORCORR as the format demands, so that values are radiance
+/// again. CIE XYZ pictures are refused.
 pub fn read_hdr(bytes: &[u8]) -> Result<Image> {
     radiance::read(bytes)
 }
@@ -83,8 +84,8 @@ pub fn png_bytes(picture: &Picture) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Refuses a size that `length` bytes cannot mean: compression earns a factor of 1000, and 64 MiB come on top so that small
-/// files of one colour pass. A file of one colour must be no larger than some 2300 x 2300 pixels.
+/// Refuses a size that `length` bytes cannot mean: compression earns a factor of 1000, and 64 MiB come on top so that
+/// small files of one colour pass. A file of one colour must be no larger than some 2300 x 2300 pixels.
 pub(super) fn affordable(format: &'static str, width: usize, height: usize, pixel: usize, length: usize) -> Result<()> {
     let limit = length.saturating_mul(1000).saturating_add(64 << 20);
     let needed = width.checked_mul(height).and_then(|pixels| pixels.checked_mul(pixel));

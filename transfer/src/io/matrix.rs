@@ -62,8 +62,8 @@ pub fn read(path: impl AsRef<Path>, description: &Description) -> Result<Transfe
     }
 }
 
-/// Writes `.npz`, `.npy` or `.mtx`. Only `.npz` carries the meaning of rows and columns; `.npy` keeps samples x responses x lights where
-/// the matrix came so.
+/// Writes `.npz`, `.npy` or `.mtx`. Only `.npz` carries the meaning of rows and columns; `.npy` keeps samples x
+/// responses x lights where the matrix came so.
 pub fn write(path: impl AsRef<Path>, matrix: &TransferMatrix) -> Result<()> {
     let path = path.as_ref();
     match extension(path).as_str() {

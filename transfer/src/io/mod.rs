@@ -8,9 +8,9 @@
 //! | [`image`] | `.exr`, `.hdr`, `.png` (written only) |
 //! | [`atomic`] | how all of them are written: beside the old file, then renamed |
 //!
-//! Bytes are untrusted. A reader never panics, names the place where a file breaks its format, and allocates no more than a
-//! small multiple of the bytes that really are there. Compressed formats may expand by what their compression can earn:
-//! deflate by 1032, `.prt` sections and images by 1000.
+//! Bytes are untrusted. A reader never panics, names the place where a file breaks its format, and allocates no more
+//! than a small multiple of the bytes that really are there. Compressed formats may expand by what their compression
+//! can earn: deflate by 1032, `.prt` sections and images by 1000.
 
 pub mod atomic;
 pub mod image;

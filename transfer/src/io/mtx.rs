@@ -1,7 +1,8 @@
 //! MatrixMarket files, `.mtx`: a text of one element per line.
 //!
-//! Read: `coordinate` and `array`, `real`, `integer` and `pattern` (1), `general`, `symmetric` and `skew-symmetric`; elements
-//! given twice are summed. Written: `coordinate real general`, every `f32` with the digits that read back the same.
+//! Read: `coordinate` and `array`, `real`, `integer` and `pattern` (1), `general`, `symmetric` and `skew-symmetric`;
+//! elements given twice are summed. Written: `coordinate real general`, every `f32` with the digits that read back the
+//! same.
 
 use super::element::overflow;
 use super::matrix::Description;

@@ -1,7 +1,7 @@
 //! NumPy arrays, `.npy`: dense transfer matrices, lights, relit output.
 //!
-//! Read: format versions 1 to 3, C and Fortran order, either byte order, bool, integers, f16, f32, f64; values are taken as
-//! they are and rounded to `f32`. Written: little-endian `f32` in C order.
+//! Read: format versions 1 to 3, C and Fortran order, either byte order, bool, integers, f16, f32, f64; values are
+//! taken as they are and rounded to `f32`. Written: little-endian `f32` in C order.
 
 use super::atomic::{self, AtomicFile};
 use super::element::{Values, overflow};
@@ -94,7 +94,8 @@ pub struct RowWriter {
 }
 
 impl RowWriter {
-    /// Begins a file of `shape`: 3-D (samples x responses x lights) for [`Layout::Samples`], otherwise 2-D (rows x lights).
+    /// Begins a file of `shape`: 3-D (samples x responses x lights) for [`Layout::Samples`], otherwise 2-D (rows x
+    /// lights).
     pub fn create(path: impl AsRef<Path>, shape: Shape, layout: Layout) -> Result<RowWriter> {
         let axes = match layout {
             Layout::Samples => vec![shape.samples, shape.responses, shape.lights],

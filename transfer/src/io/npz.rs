@@ -1,9 +1,9 @@
 //! Sparse matrices as `scipy.sparse.save_npz` writes them, `.npz`.
 //!
-//! Read: `csr`, `csc` and `coo` (canonical or not: columns are sorted and duplicates summed, as scipy does), any numeric data
-//! type taken at its value, 32- or 64-bit indices, entries stored or deflated. Written: `csr` with `f32` data, which
-//! `scipy.sparse.load_npz` reads, and one more entry `prt.npy`, an array of bytes whose JSON says what the rows and columns
-//! are: `{"responses": 64, "response_basis": "local:8", "basis": "cubemap:32", "signal": "…"}`.
+//! Read: `csr`, `csc` and `coo` (canonical or not: columns are sorted and duplicates summed, as scipy does), any
+//! numeric data type taken at its value, 32- or 64-bit indices, entries stored or deflated. Written: `csr` with `f32`
+//! data, which `scipy.sparse.load_npz` reads, and one more entry `prt.npy`, an array of bytes whose JSON says what the
+//! rows and columns are: `{"responses": 64, "response_basis": "local:8", "basis": "cubemap:32", "signal": "…"}`.
 
 use super::atomic;
 use super::element::{Elements, Values, overflow};
@@ -21,8 +21,8 @@ use std::path::Path;
 use zip::write::{FileOptions, PreparedZipFile, ZipFileBuilder};
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
-/// On a synthetic visibility matrix of 4.8 M elements level 3 makes 0.6 times the bytes of level 1 and 1.07 times those of
-/// level 6.
+/// On a synthetic visibility matrix of 4.8 M elements level 3 makes 0.6 times the bytes of level 1 and 1.07 times those
+/// of level 6.
 const DEFLATE_LEVEL: i64 = 3;
 /// Most bytes of `prt.npy`.
 const LONGEST_NOTE: u64 = 1 << 16;
@@ -175,7 +175,8 @@ impl<R: Read + Seek> Archive<R> {
         Triplets { rows, columns, values: values.values }.compress(shape)
     }
 
-    /// Offsets of `lines` compressed rows or columns, indices and values; offsets ascend from 0 to the number of values.
+    /// Offsets of `lines` compressed rows or columns, indices and values; offsets ascend from 0 to the number of
+    /// values.
     fn compressed(&mut self, what: &str, lines: u64) -> Result<(Vec<usize>, Vec<u32>, Values)> {
         let offsets: Vec<usize> = self.indices("indptr.npy")?;
         let place = Place { format: "npz", name: "entry 'indptr.npy'" };
@@ -254,7 +255,8 @@ struct Entry<'a>(&'static str, &'static str, &'a [usize], &'a [u8]);
 
 fn pack(matrix: &TransferMatrix, offsets: &[usize], columns: &[u32], values: &[f32], note: &[u8]) -> Result<Vec<u8>> {
     let shape = [matrix.rows() as i64, matrix.lights() as i64];
-    // scipy keeps 32-bit indices wherever they suffice. Columns are below 2^25, so that u32 and i32 have the same bytes.
+    // scipy keeps 32-bit indices wherever they suffice. Columns are below 2^25, so that u32 and i32 have the same
+    // bytes.
     let narrow: Option<Vec<i32>> = offsets.iter().map(|&o| i32::try_from(o).ok()).collect();
     let wide: Vec<i64> = if narrow.is_none() { offsets.iter().map(|&o| o as i64).collect() } else { Vec::new() };
     let (index, offset_bytes) = match &narrow {

@@ -1,8 +1,8 @@
 //! The container of a compressed matrix, `.prt`; `docs/format.md` describes it byte by byte.
 //!
-//! A header says what the matrix is and lists the sections; the sections follow, each compressed by zstd at one level that is the
-//! same for every method, or raw where that is smaller. Each carries a checksum. The same matrix gives the same bytes on any
-//! number of threads.
+//! A header says what the matrix is and lists the sections; the sections follow, each compressed by zstd at one level
+//! that is the same for every method, or raw where that is smaller. Each carries a checksum. The same matrix gives the
+//! same bytes on any number of threads.
 
 mod wire;
 
@@ -13,16 +13,16 @@ use crate::sections::Section;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Version of the container; a reader reads every version up to its own, and a writer writes the first that can say everything:
-/// 1, or 2 where it is known what the responses stand for.
+/// Version of the container; a reader reads every version up to its own, and a writer writes the first that can say
+/// everything: 1, or 2 where it is known what the responses stand for.
 pub const VERSION: u32 = 2;
 /// Sections that one file may have.
 pub const MAX_SECTIONS: usize = 256;
 /// Bytes of a section's name.
 pub const MAX_NAME: usize = 64;
 
-/// Level of zstd in every file. On the `csr` sections of a synthetic visibility matrix (39 MB) level 15 makes 0.92 times the
-/// bytes and takes some 7 times as long, level 9 1.14 times the bytes in a third of the time.
+/// Level of zstd in every file. On the `csr` sections of a synthetic visibility matrix (39 MB) level 15 makes 0.92
+/// times the bytes and takes some 7 times as long, level 9 1.14 times the bytes in a third of the time.
 const ZSTD_LEVEL: i32 = 12;
 /// A section may be this many times its stored bytes …
 const EXPANSION: u64 = 1000;
@@ -171,7 +171,8 @@ fn encode(section: &Section) -> Result<(SectionInfo, Vec<u8>)> {
     Ok((info, payload))
 }
 
-/// Makes a frame long enough for what it expands to, by a skippable frame of zeros, which every zstd decoder passes over.
+/// Makes a frame long enough for what it expands to, by a skippable frame of zeros, which every zstd decoder passes
+/// over.
 fn pad(frame: &mut Vec<u8>, raw: usize) {
     let least = (raw as u64).saturating_sub(ALLOWANCE).div_ceil(EXPANSION) as usize;
     if frame.len() < least {

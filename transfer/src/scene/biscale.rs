@@ -1,6 +1,7 @@
 //! `biscale`: local incident radiance of every vertex in the pixel basis (Sun et al., all-frequency bi-scale radiance
-//! transfer, §IV-A). Rows are (vertex, local direction), columns cubemap texels. A texel contributes to the one local direction
-//! that is nearest to its centre, and its element is the part of its samples that are visible: a value k / 4^m.
+//! transfer, §IV-A). Rows are (vertex, local direction), columns cubemap texels. A texel contributes to the one local
+//! direction that is nearest to its centre, and its element is the part of its samples that are visible: a value k /
+//! 4^m.
 
 use crate::basis::LightBasis;
 use crate::error::Result;

@@ -1,8 +1,9 @@
 //! Interreflection: light that reaches a point by way of other points.
 //!
-//! `T = Σ_b G^b T_0`: the gathering operator G takes the exit radiance of all points to what each of them reflects of it (Sloan et al.
-//! 2002, §5). A ray that is occluded meets the surface once more, now for the place of the hit, and what leaves there in its direction is
-//! interpolated from the corners of the face. Energy falls by at least the albedo with every bounce.
+//! `T = Σ_b G^b T_0`: the gathering operator G takes the exit radiance of all points to what each of them reflects of
+//! it (Sloan et al. 2002, §5). A ray that is occluded meets the surface once more, now for the place of the hit, and
+//! what leaves there in its direction is interpolated from the corners of the face. Energy falls by at least the albedo
+//! with every bounce.
 
 use crate::error::{Error, Result};
 use crate::matrix::TransferMatrix;
@@ -21,8 +22,8 @@ pub trait Interreflecting: DenseSignal {
         self.responses()
     }
 
-    /// Adds to `out`, the rows of `point`, what it reflects of light that `arrivals` bring; `leaving` are the rows of every point, in order, of
-    /// the bounce before.
+    /// Adds to `out`, the rows of `point`, what it reflects of light that `arrivals` bring; `leaving` are the rows of
+    /// every point, in order, of the bounce before.
     fn bounce_into(
         &self,
         surface: &Surface,
@@ -57,11 +58,12 @@ pub struct Bounced {
     pub energies: Vec<f64>,
 }
 
-/// What every point sees of the surface: from its vertex, in the order of `gather`'s lanes. The back of a face is black.
+/// What every point sees of the surface: from its vertex, in the order of `gather`'s lanes. The back of a face is
+/// black.
 struct Gathered(Vec<Vec<Arrival>>);
 
-/// The matrix of `signal` with `bounces` of interreflection on `mesh`, whose vertices are the surface's points. `gather` says how densely other
-/// parts of the surface are looked for.
+/// The matrix of `signal` with `bounces` of interreflection on `mesh`, whose vertices are the surface's points.
+/// `gather` says how densely other parts of the surface are looked for.
 ///
 /// # Errors
 /// A surface whose points are not the mesh's vertices.
@@ -74,8 +76,8 @@ pub fn interreflect(
     progress: &dyn Progress,
 ) -> Result<Bounced> {
     Error::expect_size("surface points beside the mesh's vertices", mesh.positions.len(), surface.points.len())?;
-    let (direct, traced) = dense::matrix(signal, surface, progress)?;
-    let mut leaving = direct.as_dense().map(<[f32]>::to_vec).unwrap_or_default();
+    let shape = dense::shape(signal, surface.points.len())?;
+    let (mut leaving, traced) = dense::rows(signal, surface, progress)?;
     let (mut total, mut energies) = (leaving.clone(), vec![energy(&leaving)]);
     let gathered =
         if bounces > 0 { Gathered::new(surface, mesh, &gather.samples()?, progress)? } else { Gathered(vec![]) };
@@ -91,11 +93,8 @@ pub fn interreflect(
         energies.push(energy(&next));
         leaving = next;
     }
-    let shape = direct.shape();
-    let matrix = TransferMatrix::from_dense(total, shape.rows(), shape.responses, signal.basis())?;
     let responses = if bounces > 0 { signal.bounced() } else { signal.responses() };
-    let matrix = matrix.with_responses(responses)?;
-    Ok(Bounced { matrix: if shape.responses > 1 { matrix.by_samples() } else { matrix }, traced, energies })
+    Ok(Bounced { matrix: dense::assemble(total, shape, signal.basis(), responses)?, traced, energies })
 }
 
 /// Σ T², the same on any number of threads.

@@ -32,12 +32,13 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Looks at the centre of the mesh's bounds from the distance at which the sphere of all vertices around it just fits
-    /// between the sides of the film. `azimuth` in degrees runs from +x towards +y, `elevation` from the horizon to the
-    /// zenith (90): both say where the camera is, seen from the centre.
+    /// Looks at the centre of the mesh's bounds from the distance at which the sphere of all vertices around it just
+    /// fits between the sides of the film. `azimuth` in degrees runs from +x towards +y, `elevation` from the horizon
+    /// to the zenith (90): both say where the camera is, seen from the centre.
     ///
     /// # Errors
-    /// A mesh of fewer than two different positions, angles that are not finite, and a film that [`Camera::looking`] refuses.
+    /// A mesh of fewer than two different positions, angles that are not finite, and a film that [`Camera::looking`]
+    /// refuses.
     pub fn framing(mesh: &Mesh, azimuth: f64, elevation: f64, film: Film) -> Result<Camera> {
         mesh.check_positions()?;
         film.check()?;
@@ -64,8 +65,8 @@ impl Camera {
     /// Looks from `eye` at `target`, upright; straight up or down, the top of the picture is towards +y.
     ///
     /// # Errors
-    /// An eye that is not finite or lies at the target; a film without pixels, of more than [`MAX_SIDE`] along a side, or with a
-    /// field of view that is not between 0 and 180 degrees.
+    /// An eye that is not finite or lies at the target; a film without pixels, of more than [`MAX_SIDE`] along a side,
+    /// or with a field of view that is not between 0 and 180 degrees.
     pub fn looking(eye: Vec3, target: Vec3, film: Film) -> Result<Camera> {
         film.check()?;
         let forward = (target.as_dvec3() - eye.as_dvec3()).try_normalize();

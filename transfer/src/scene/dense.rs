@@ -27,8 +27,8 @@ pub fn shape(signal: &dyn DenseSignal, points: usize) -> Result<Shape> {
     Shape::new(points, signal.responses().responses(), signal.basis().lights())
 }
 
-/// Computes the rows of every point and hands them to `take`, responses x lights at a time, in the order of the points. No
-/// more than a batch of them is in memory at once.
+/// Computes the rows of every point and hands them to `take`, responses x lights at a time, in the order of the points.
+/// No more than a batch of them is in memory at once.
 pub fn stream(
     signal: &dyn DenseSignal,
     surface: &Surface,
@@ -42,15 +42,19 @@ pub fn stream(
         Ok(rows)
     };
     let bytes = size_of::<f32>() * shape.responses * shape.lights;
-    for_each_point(surface, signal.samples(), bytes, progress, at, |rows| take(&rows))
+    let mut point = 0;
+    for_each_point(surface, signal.samples(), bytes, progress, at, |rows| {
+        if let Some(at) = rows.iter().position(|v| !v.is_finite()) {
+            let (row, col) = (point * shape.responses + at / shape.lights, at % shape.lights);
+            return Err(Error::NotFinite { row, col, value: rows[at].into() });
+        }
+        point += 1;
+        take(&rows)
+    })
 }
 
-/// The whole matrix, dense, samples x responses x lights.
-pub fn matrix(
-    signal: &dyn DenseSignal,
-    surface: &Surface,
-    progress: &dyn Progress,
-) -> Result<(TransferMatrix, Traced)> {
+/// The rows of all points, one after the other.
+pub(crate) fn rows(signal: &dyn DenseSignal, surface: &Surface, progress: &dyn Progress) -> Result<(Vec<f32>, Traced)> {
     let shape = shape(signal, surface.points.len())?;
     let (mut values, elements) = (Vec::new(), shape.rows() * shape.lights);
     values.try_reserve_exact(elements).map_err(|_| Error::Unsupported {
@@ -62,7 +66,27 @@ pub fn matrix(
         values.extend_from_slice(rows);
         Ok(())
     })?;
-    let matrix = TransferMatrix::from_dense(values, shape.rows(), shape.responses, signal.basis())?;
-    let matrix = matrix.with_responses(signal.responses())?;
-    Ok((if shape.responses > 1 { matrix.by_samples() } else { matrix }, traced))
+    Ok((values, traced))
+}
+
+/// A matrix of rows that were computed: samples x responses x lights where there are several responses.
+pub(crate) fn assemble(
+    values: Vec<f32>,
+    shape: Shape,
+    basis: LightBasis,
+    responses: ResponseBasis,
+) -> Result<TransferMatrix> {
+    let matrix = TransferMatrix::from_dense(values, shape.rows(), shape.responses, basis)?.with_responses(responses)?;
+    Ok(if shape.responses > 1 { matrix.by_samples() } else { matrix })
+}
+
+/// The whole matrix, dense, samples x responses x lights.
+pub fn matrix(
+    signal: &dyn DenseSignal,
+    surface: &Surface,
+    progress: &dyn Progress,
+) -> Result<(TransferMatrix, Traced)> {
+    let (values, traced) = rows(signal, surface, progress)?;
+    let shape = shape(signal, surface.points.len())?;
+    Ok((assemble(values, shape, signal.basis(), signal.responses())?, traced))
 }

@@ -1,6 +1,6 @@
 //! `diffuse`: irradiance of every vertex, shadowed (Sloan et al. 2003; Ng et al. 2003). One row a vertex: the moments
-//! `T_k = ∫ V(ω) max(n·ω, 0) b_k(ω) dω` over cubemap texels or real spherical harmonics, so that `y = T x` is irradiance in
-//! W/m² for radiance `x` in W/m²/sr; exit radiance of a Lambertian surface is albedo/π times that.
+//! `T_k = ∫ V(ω) max(n·ω, 0) b_k(ω) dω` over cubemap texels or real spherical harmonics, so that `y = T x` is
+//! irradiance in W/m² for radiance `x` in W/m²/sr; exit radiance of a Lambertian surface is albedo/π times that.
 
 use crate::basis::LightBasis;
 use crate::error::{Error, Result};
@@ -26,8 +26,8 @@ pub struct Diffuse {
     harmonics: Option<InHarmonics>,
 }
 
-/// `T_k = Σ_j γ n_m V_j`: the cosine is linear in the direction, so that the moments of visibility, one band more than the light's,
-/// hold everything.
+/// `T_k = Σ_j γ n_m V_j`: the cosine is linear in the direction, so that the moments of visibility, one band more than
+/// the light's, hold everything.
 struct InHarmonics {
     moments: VisibilityMoments,
     /// Rows k of the light's bands, columns of bands 0 and 1.
@@ -35,7 +35,8 @@ struct InHarmonics {
 }
 
 impl Diffuse {
-    /// In `basis`: a cubemap of the sampling's resolution, or spherical harmonics. The albedo is 1, see [`Diffuse::with_albedo`].
+    /// In `basis`: a cubemap of the sampling's resolution, or spherical harmonics. The albedo is 1, see
+    /// [`Diffuse::with_albedo`].
     pub fn new(sampling: &Sampling, basis: &LightBasis) -> Result<Diffuse> {
         let samples = sampling.samples()?;
         let harmonics = match order_of(sampling, basis)? {

@@ -1,14 +1,14 @@
 //! Vertex frames that vary smoothly over the surface.
 //!
-//! Local directions are told in a vertex's own frame, so a frame that jumps between neighbours makes neighbouring rows of the
-//! transfer matrix differ although the surface does not. No rule that looks at one normal alone can avoid jumps (a
-//! continuous tangent field on a sphere does not exist); frames are therefore aligned from neighbour to neighbour.
+//! Local directions are told in a vertex's own frame, so a frame that jumps between neighbours makes neighbouring rows
+//! of the transfer matrix differ although the surface does not. No rule that looks at one normal alone can avoid jumps
+//! (a continuous tangent field on a sphere does not exist); frames are therefore aligned from neighbour to neighbour.
 //!
 //! With R_ij the rotation that takes normal i to normal j the shortest way (discrete parallel transport), the tangents
-//! minimise Σ over edges |t_j − R_ij t_i|²: a spanning tree gives the start, diffusion and Gauss-Seidel sweeps do the rest.
-//! Flat scenes get exactly one frame a wall; on curved parts what twist the curvature forces is spread over the surface,
-//! and the unavoidable singular points stay points. The energy is that of Knöppel, Crane, Pinkall and Schröder, "Globally
-//! Optimal Direction Fields" (2013), for unit vectors; the minimum found is local.
+//! minimise Σ over edges |t_j − R_ij t_i|²: a spanning tree gives the start, diffusion and Gauss-Seidel sweeps do the
+//! rest. Flat scenes get exactly one frame a wall; on curved parts what twist the curvature forces is spread over the
+//! surface, and the unavoidable singular points stay points. The energy is that of Knöppel, Crane, Pinkall and
+//! Schröder, "Globally Optimal Direction Fields" (2013), for unit vectors; the minimum found is local.
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
@@ -50,15 +50,16 @@ impl Frame {
     }
 
     /// The frame that a rule on the normal alone gives: the tangent is the world axis least aligned with the normal (x
-    /// before y before z), made perpendicular. It jumps where the least aligned axis changes; [`vertex_frames`] does not.
+    /// before y before z), made perpendicular. It jumps where the least aligned axis changes; [`vertex_frames`] does
+    /// not.
     pub fn by_axis(normal: Vec3) -> Frame {
         let n = normal.as_dvec3();
         frame(axis_tangent(n), n)
     }
 
-    /// The frame at a point of a face with these barycentric weights: the mean of the corners' normals, and the mean of their
-    /// tangents made perpendicular to it. Normals that cancel leave the first corner's frame, tangents that do a frame
-    /// [by axis](Frame::by_axis).
+    /// The frame at a point of a face with these barycentric weights: the mean of the corners' normals, and the mean of
+    /// their tangents made perpendicular to it. Normals that cancel leave the first corner's frame, tangents that do a
+    /// frame [by axis](Frame::by_axis).
     pub fn interpolated(corners: [Frame; 3], weights: [f32; 3]) -> Frame {
         let mean = |of: fn(&Frame) -> Vec3| {
             let terms = corners.iter().zip(weights).map(|(frame, weight)| f64::from(weight) * of(frame).as_dvec3());
@@ -141,8 +142,8 @@ pub fn roughness(mesh: &Mesh, frames: &[Frame]) -> Result<f64> {
     Ok(sum / edges.max(1) as f64)
 }
 
-/// Vertices that share an edge, ascending, each once. Vertices of one position and one normal, such as a texture seam has,
-/// are one: the first of them has the neighbours of all, and the others have none.
+/// Vertices that share an edge, ascending, each once. Vertices of one position and one normal, such as a texture seam
+/// has, are one: the first of them has the neighbours of all, and the others have none.
 struct Neighbours {
     /// The first vertex of the same position and normal.
     same: Vec<u32>,
@@ -350,7 +351,8 @@ mod tests {
     #[test]
     fn a_seam_between_identical_vertices_leaves_no_trace() {
         let whole = shapes::sphere(5);
-        // Every face gets vertices of its own, in order: frames must be those of the welded sphere, up to where one starts.
+        // Every face gets vertices of its own, in order: frames must be those of the welded sphere, up to where one
+        // starts.
         let corners = || whole.faces.iter().flatten().map(|&v| v as usize);
         let torn = Mesh {
             positions: corners().map(|v| whole.positions[v]).collect(),

@@ -1,20 +1,22 @@
-//! `glossy`: exit radiance of every vertex in harmonics on its hemisphere, linear in distant light in harmonics (Sloan, Hall, Hart and
-//! Snyder 2003, §3 and appendix):
+//! `glossy`: exit radiance of every vertex in harmonics on its hemisphere, linear in distant light in harmonics (Sloan,
+//! Hall, Hart and Snyder 2003, §3 and appendix):
 //!
 //! ```text
 //! M_p = A⁻¹ B A⁻¹ R_p T_p                                                        (1)
 //! ```
 //!
 //! `T_p` takes the light to the radiance that arrives, `R_p` turns it into the vertex's frame, `A⁻¹` projects what was
-//! integrated over the hemisphere onto its harmonics by least squares (A is their Gram matrix there), `B_ij = ∫∫ y_i(v) y_j(s) ρ(v,s) s_z ds dv`
-//! reflects it, and `A⁻¹` projects what leaves. `A` is nearly singular (condition 1.5e5 at order 5, 3.5e9 at order 8), so that nothing here
-//! inverts it: with `A = L Lᵀ` and the orthonormal functions `q = L⁻¹ y` the same matrix is
+//! integrated over the hemisphere onto its harmonics by least squares (A is their Gram matrix there), `B_ij = ∫∫ y_i(v)
+//! y_j(s) ρ(v,s) s_z ds dv` reflects it, and `A⁻¹` projects what leaves. `A` is nearly singular (condition 1.5e5 at
+//! order 5, 3.5e9 at order 8), so that nothing here inverts it: with `A = L Lᵀ` and the orthonormal functions `q = L⁻¹
+//! y` the same matrix is
 //!
 //! ```text
 //! M_p = L⁻ᵀ Q L⁻¹ R_p T_p,   Q_ij = ∫∫ q_i(v) q_j(s) ρ(v,s) s_z ds dv
 //! ```
 //!
-//! where no step amplifies an error by more than √cond A, and without the first `L⁻ᵀ` it is the one in orthonormal coordinates.
+//! where no step amplifies an error by more than √cond A, and without the first `L⁻ᵀ` it is the one in orthonormal
+//! coordinates.
 
 use crate::basis::LightBasis;
 use crate::error::{Error, Result};
@@ -104,8 +106,8 @@ impl Glossy {
         }
     }
 
-    /// Reflects: moments of arriving radiance in the vertex's frame (∫ over the hemisphere, incident coefficients x lights) become
-    /// exit radiance (exit coefficients x lights), which is added to `out`.
+    /// Reflects: moments of arriving radiance in the vertex's frame (∫ over the hemisphere, incident coefficients x
+    /// lights) become exit radiance (exit coefficients x lights), which is added to `out`.
     ///
     /// # Errors
     /// A matrix of another size.

@@ -1,10 +1,10 @@
 //! Scenes, visibility and the signals that are computed from them.
 //!
-//! A [`shapes`] scene or a loaded mesh is [`repair`]ed and given [`frames`]; [`bvh::Occluders`] answer which [`directions`] its
-//! points see ([`visibility`]). A [`brdf`] says how a surface scatters, and [`separable`] takes it apart into functions of the view
-//! and of the light. [`mod@biscale`], [`mod@diffuse`], [`glossy`] and [`terms`] turn that into transfer matrices, [`bounce`] lets light go on
-//! from point to point. [`lights`] relight them; [`shading`] makes of their responses what a [`camera`]'s [`view`] shows, and
-//! [`mod@reference`] is what it should be.
+//! A [`shapes`] scene or a loaded mesh is [`repair`]ed and given [`frames`]; [`bvh::Occluders`] answer which
+//! [`directions`] its points see ([`visibility`]). A [`brdf`] says how a surface scatters, and [`separable`] takes it
+//! apart into functions of the view and of the light. [`mod@biscale`], [`mod@diffuse`], [`glossy`] and [`terms`] turn
+//! that into transfer matrices, [`bounce`] lets light go on from point to point. [`lights`] relight them; [`shading`]
+//! makes of their responses what a [`camera`]'s [`view`] shows, and [`mod@reference`] is what it should be.
 
 pub mod biscale;
 pub mod bounce;

@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 /// `V_k = Σ w y_k` over the samples that are seen, `w` their solid angles: ∫ V(ω) y_k(ω) dω by the midpoint rule.
 ///
-/// A tile of samples is a piece of a row of a cube face, in which what is seen makes a few runs: sums are kept for the beginning of
-/// every tile to each of its lanes, so that a run costs a difference however long it is.
+/// A tile of samples is a piece of a row of a cube face, in which what is seen makes a few runs: sums are kept for the
+/// beginning of every tile to each of its lanes, so that a run costs a difference however long it is.
 pub struct VisibilityMoments {
     coefficients: usize,
     /// Sums of the tile's lanes before this one, `TILE + 1` of them a tile.

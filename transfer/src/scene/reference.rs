@@ -17,10 +17,11 @@ pub type Reflectance<'a> = dyn Fn(Vec3, Vec3) -> f32 + Sync + 'a;
 /// Direct light on a surface: the exit radiance at point x towards v is
 /// `Σ ρ(v, s) (n·s) L(s) dω_s` over the sampled directions s above the horizon of n that nothing hides.
 ///
-/// It is the sum that the signals precompute at vertices, taken at every sample of a picture: n is the interpolated vertex
-/// normal, and rays leave a point lifted along it ([`super::bvh::Occluders::visible`]), as they do at a vertex. What differs
-/// between the two pictures is therefore interpolation over faces, and whatever a method did to the matrix. Both have the
-/// shadow terminator of interpolated normals: where a face leans away from n, it hides directions just above n's horizon.
+/// It is the sum that the signals precompute at vertices, taken at every sample of a picture: n is the interpolated
+/// vertex normal, and rays leave a point lifted along it ([`super::bvh::Occluders::visible`]), as they do at a vertex.
+/// What differs between the two pictures is therefore interpolation over faces, and whatever a method did to the
+/// matrix. Both have the shadow terminator of interpolated normals: where a face leans away from n, it hides directions
+/// just above n's horizon.
 pub struct Reference<'a> {
     /// Vertex frames; they are interpolated, for BRDFs that depend on the tangent.
     pub frames: &'a [Frame],
@@ -33,12 +34,12 @@ pub struct Reference<'a> {
 }
 
 impl Reference<'_> {
-    /// The image that a view has of the surface before `background`, linear RGB by unit direction. Every sample of a pixel is
-    /// shaded by itself; the result is the same on any number of threads.
+    /// The image that a view has of the surface before `background`, linear RGB by unit direction. Every sample of a
+    /// pixel is shaded by itself; the result is the same on any number of threads.
     ///
     /// # Errors
-    /// Frames that are not one a vertex, a sampling out of range, a light that is not texels x 3 or not finite (row = texel),
-    /// and a BRDF or background that is not finite, with its pixel.
+    /// Frames that are not one a vertex, a sampling out of range, a light that is not texels x 3 or not finite (row =
+    /// texel), and a BRDF or background that is not finite, with its pixel.
     pub fn image(
         &self,
         view: &View,

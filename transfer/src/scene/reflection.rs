@@ -17,8 +17,8 @@ struct Function {
     cosine: usize,
 }
 
-/// `Q_ij = ∫∫ q_i(v) q_j(s) ρ(v,s) s_z ds dv`, exit x incident, q orthonormal on the hemisphere: to 1e-3 of a white surface down to the
-/// narrowest lobes.
+/// `Q_ij = ∫∫ q_i(v) q_j(s) ρ(v,s) s_z ds dv`, exit x incident, q orthonormal on the hemisphere: to 1e-3 of a white
+/// surface down to the narrowest lobes.
 pub(super) fn reflection(brdf: &Brdf, exit: &HemisphereSh, incident: &HemisphereSh) -> Vec<f64> {
     let bands = exit.order().max(incident.order());
     let rings = ((8.0 / brdf.width()) as usize).clamp(64, 400);
@@ -66,7 +66,8 @@ pub(super) fn reflection(brdf: &Brdf, exit: &HemisphereSh, incident: &Hemisphere
 }
 
 impl Function {
-    /// Whether it changes its sign with x, and with y: cos mφ under φ → π - φ and under φ → -φ; sin the other way round.
+    /// Whether it changes its sign with x, and with y: cos mφ under φ → π - φ and under φ → -φ; sin the other way
+    /// round.
     fn parity(&self) -> (bool, bool) {
         (self.order.is_multiple_of(2) == self.sine, self.sine)
     }
@@ -138,7 +139,8 @@ mod tests {
             }
             let white = (4.0 * FRAC_PI_2).sqrt();
             let difference = |i: usize| found[i * 24] * white - expected[i];
-            // The azimuths above are few: only functions without one are integrated well where the model is anisotropic.
+            // The azimuths above are few: only functions without one are integrated well where the model is
+            // anisotropic.
             let error = sh.indices().iter().enumerate().filter(|(_, k)| [0, 2, 6, 12, 20].contains(*k));
             let error = error.map(|(i, _)| difference(i).powi(2)).sum::<f64>().sqrt();
             assert!(error < tolerance * expected[0], "{brdf}: {error} of {}", expected[0]);

@@ -36,9 +36,9 @@ pub fn texel_of(basis: &LightBasis, direction: Direction) -> Option<usize> {
 
 /// Mean radiance of each texel of a cubemap or lat-long basis, from a lat-long image of constant pixels: lights x 3.
 ///
-/// Every pixel's energy goes to the texels that it overlaps, so that ∫ L dω is that of the image up to rounding to f32, a
-/// single bright pixel included; the overlap of pixels and texels is exact on lat-long grids and right to about 1e-4 of a
-/// texel on cubemaps.
+/// Every pixel's energy goes to the texels that it overlaps, so that ∫ L dω is that of the image up to rounding to f32,
+/// a single bright pixel included; the overlap of pixels and texels is exact on lat-long grids and right to about 1e-4
+/// of a texel on cubemaps.
 ///
 /// # Errors
 /// A basis without texels, an empty image, NaN or infinite pixels.
@@ -55,8 +55,8 @@ pub fn resample(image: &Image, basis: &LightBasis) -> Result<Array2<f32>> {
     }
 }
 
-/// Radiance of a lat-long image from a unit direction, bilinear between the centres of its pixels; around the poles it is that of
-/// the last row.
+/// Radiance of a lat-long image from a unit direction, bilinear between the centres of its pixels; around the poles it
+/// is that of the last row.
 ///
 /// # Panics
 /// For an image that [`Image::check`] refuses.
@@ -92,7 +92,8 @@ fn to_latlong(image: &Image, width: usize, height: usize) -> Array2<f32> {
     from_texels((0..width * height).into_par_iter().map(mean).collect())
 }
 
-/// The cells of a division into `from` parts that overlap cell `i` of a division into `to`, with the interval they share.
+/// The cells of a division into `from` parts that overlap cell `i` of a division into `to`, with the interval they
+/// share.
 fn overlaps(i: usize, to: usize, from: usize) -> Vec<(usize, [f64; 2])> {
     let (first, last) = (i * from / to, ((i + 1) * from).div_ceil(to));
     // Compared as whole numbers over to·from, so that borders that coincide leave no sliver.
@@ -129,7 +130,8 @@ fn to_cubemap(image: &Image, resolution: usize) -> Array2<f32> {
     from_texels(energies.iter().zip(angles).map(|(e, angle)| e.map(|e| (e / angle) as f32)).collect())
 }
 
-/// Longitudes, as ascending fractions of the image's width, at which a column of pixels or of a side face's texels ends.
+/// Longitudes, as ascending fractions of the image's width, at which a column of pixels or of a side face's texels
+/// ends.
 fn longitudes(image: &Image, resolution: usize) -> Vec<f64> {
     let columns = (0..=image.width).map(|i| i as f64 / image.width as f64);
     // tan of the longitude from a side face's middle is the face coordinate; faces are quarter turns apart.
@@ -140,13 +142,13 @@ fn longitudes(image: &Image, resolution: usize) -> Vec<f64> {
     sorted(columns.chain(texels).collect())
 }
 
-/// The parts of the meridian through the horizontal unit vector `[x, y]` that lie in one texel and one row of pixels, from
-/// the top: intervals of z.
+/// The parts of the meridian through the horizontal unit vector `[x, y]` that lie in one texel and one row of pixels,
+/// from the top: intervals of z.
 fn segments([x, y]: [f64; 2], resolution: usize, z_of_rows: &[f64]) -> impl Iterator<Item = [f64; 2]> {
     let (x, y) = (x.abs(), y.abs());
     let edges = (0..=resolution).map(|k| 2.0 * k as f64 / resolution as f64 - 1.0);
-    // With q = z/√(1 − z²): rows of a side face end at q = v max(x, y), rows and columns of the top and the bottom where
-    // x/q or y/q is an edge. Borders that belong to the other faces only part an interval in two.
+    // With q = z/√(1 − z²): rows of a side face end at q = v max(x, y), rows and columns of the top and the bottom
+    // where x/q or y/q is an edge. Borders that belong to the other faces only part an interval in two.
     let borders = edges.flat_map(|v| [v * x.max(y), x / v, y / v]).filter(|q| q.is_finite());
     let mut z: Vec<f64> = borders.map(|q| q / (1.0 + q * q).sqrt()).chain(z_of_rows.iter().copied()).collect();
     z = sorted(z);

@@ -34,8 +34,8 @@ enum Weights {
 }
 
 impl Shading {
-    /// What `responses` make of a view. `brdf` is that of the surface, where responses leave it open: any for local directions, Lambert for
-    /// irradiance; a white Lambert surface where none is given.
+    /// What `responses` make of a view. `brdf` is that of the surface, where responses leave it open: any for local
+    /// directions, Lambert for irradiance; a white Lambert surface where none is given.
     ///
     /// # Errors
     /// Responses of which nothing is known but their number, and a BRDF where the responses have theirs already.
@@ -129,9 +129,9 @@ impl Shading {
     }
 }
 
-/// The unit local direction to an eye in the direction `world` (of any length but 0), for a BRDF. At a silhouette an interpolated
-/// normal leans away from an eye that sees its face: such directions are raised to just above the horizon, where BRDFs are
-/// defined, so that no dark rim appears.
+/// The unit local direction to an eye in the direction `world` (of any length but 0), for a BRDF. At a silhouette an
+/// interpolated normal leans away from an eye that sees its face: such directions are raised to just above the horizon,
+/// where BRDFs are defined, so that no dark rim appears.
 pub fn towards(frame: &Frame, world: Vec3) -> Vec3 {
     let local = frame.to_local(world.normalize_or(frame.normal));
     local.with_z(local.z.max(GRAZING)).normalize()

@@ -141,8 +141,8 @@ const BATCH: usize = 32;
 /// Bytes of a batch at most, where more than one point for each thread has them.
 const BATCH_BYTES: usize = 64 << 20;
 
-/// Runs `signal(point, visible)` for every surface point on all cores and hands the results to `take` in the order of the points,
-/// batch by batch, so that they need not all be in memory; `bytes` are those of one result, about.
+/// Runs `signal(point, visible)` for every surface point on all cores and hands the results to `take` in the order of
+/// the points, batch by batch, so that they need not all be in memory; `bytes` are those of one result, about.
 pub(crate) fn for_each_point<T: Send>(
     surface: &Surface,
     samples: &Samples,

@@ -1,6 +1,6 @@
-//! `terms`: light transfer of a BRDF that is factored into views and lights (Tsai and Shih 2006, Eq. 9 and 10). Rows are (vertex, term),
-//! columns cubemap texels: `T_k = ∫ ψ_k(η) V(η) (η·n) dη` over each texel, so that exit radiance towards v is `Σ_k φ_k(v) (T x)_k` for
-//! radiance `x`.
+//! `terms`: light transfer of a BRDF that is factored into views and lights (Tsai and Shih 2006, Eq. 9 and 10). Rows
+//! are (vertex, term), columns cubemap texels: `T_k = ∫ ψ_k(η) V(η) (η·n) dη` over each texel, so that exit radiance
+//! towards v is `Σ_k φ_k(v) (T x)_k` for radiance `x`.
 
 use crate::basis::LightBasis;
 use crate::error::{Error, Result};

@@ -32,8 +32,8 @@ impl Seen {
     }
 }
 
-/// What the samples of every pixel see of a mesh: the nearest point, from either side. A pixel is the mean of its samples, which
-/// lie on a regular grid (a box filter); where one meets nothing, it sees the background.
+/// What the samples of every pixel see of a mesh: the nearest point, from either side. A pixel is the mean of its
+/// samples, which lie on a regular grid (a box filter); where one meets nothing, it sees the background.
 pub struct View<'a> {
     mesh: &'a Mesh,
     occluders: &'a Occluders,
@@ -45,11 +45,12 @@ pub struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// Casts `samples` x `samples` rays through every pixel, from 1 to [`MAX_SAMPLES`]; `occluders` are those of the mesh. The
-    /// result is the same on any number of threads.
+    /// Casts `samples` x `samples` rays through every pixel, from 1 to [`MAX_SAMPLES`]; `occluders` are those of the
+    /// mesh. The result is the same on any number of threads.
     ///
     /// # Errors
-    /// A number of samples out of range, a mesh that fails [`Mesh::check`], and occluders of another mesh where that shows.
+    /// A number of samples out of range, a mesh that fails [`Mesh::check`], and occluders of another mesh where that
+    /// shows.
     pub fn cast(
         mesh: &'a Mesh,
         occluders: &'a Occluders,
@@ -132,11 +133,12 @@ impl<'a> View<'a> {
         self.mesh.faces[seen.face as usize].map(|vertex| of_vertices[vertex as usize])
     }
 
-    /// The image of linear RGB radiance at the vertices, interpolated over the faces (Gouraud), before `background`, linear RGB
-    /// by unit direction. A face seen from behind shows what its front has.
+    /// The image of linear RGB radiance at the vertices, interpolated over the faces (Gouraud), before `background`,
+    /// linear RGB by unit direction. A face seen from behind shows what its front has.
     ///
     /// # Errors
-    /// Colours that are not one a vertex or not finite (row = vertex), and a background that is not finite, with its pixel.
+    /// Colours that are not one a vertex or not finite (row = vertex), and a background that is not finite, with its
+    /// pixel.
     pub fn interpolate(
         &self,
         colours: &[[f32; 3]],
@@ -152,8 +154,8 @@ impl<'a> View<'a> {
         self.shade(surface, background, |_| Ok(()))
     }
 
-    /// The image whose samples are what `surface` gives for a point and `background` for a direction; after each row, `finished`
-    /// is told its number of pixels.
+    /// The image whose samples are what `surface` gives for a point and `background` for a direction; after each row,
+    /// `finished` is told its number of pixels.
     pub(super) fn shade(
         &self,
         surface: impl Fn(&Seen) -> Result<[f32; 3]> + Sync,

@@ -9,30 +9,33 @@ use std::f64::consts::PI;
 
 /// Spherical harmonics y_i restricted to the hemisphere H: z ≥ 0, where they are not orthonormal.
 ///
-/// After Sloan, Hall, Hart and Snyder 2003, "Clustered Principal Components for Precomputed Radiance Transfer", appendix. A function
-/// f(s) = Σ c_i y_i(s) on H has three kinds of numbers, all of [`coefficients`](HemisphereSh::coefficients) length:
+/// After Sloan, Hall, Hart and Snyder 2003, "Clustered Principal Components for Precomputed Radiance Transfer",
+/// appendix. A function f(s) = Σ c_i y_i(s) on H has three kinds of numbers, all of
+/// [`coefficients`](HemisphereSh::coefficients) length:
 ///
 /// - c, its harmonic coefficients;
 /// - b_k = ∫_H f y_k = (A c)_k, its zero-hemisphere projection, where A_ik = ∫_H y_i y_k is the [Gram matrix](HemisphereSh::gram);
 /// - d = Lᵀ c = L⁻¹ b, its orthonormal coordinates, where A = L Lᵀ with L lower triangular: f = Σ d_i q_i with the
 ///   [orthonormal functions](HemisphereSh::evaluate_orthonormal) q = L⁻¹ y.
 ///
-/// For any f on H, band-limited or not, c = A⁻¹ b and d = L⁻¹ b are those of the nearest band-limited function in the sense of ∫_H.
+/// For any f on H, band-limited or not, c = A⁻¹ b and d = L⁻¹ b are those of the nearest band-limited function in the
+/// sense of ∫_H.
 ///
 /// # In which to compress
 ///
-/// In d: ∫_H (f - f')² = |d - d'|², so that the least Euclidean error is the least radiometric one. In c it is not, since
+/// In d: ∫_H (f - f')² = |d - d'|², so that the least Euclidean error is the least radiometric one. In c it is not,
+/// since
 /// |c - c'|² counts differences that vanish on H as much as any other. There are as many d as c, and they cost nothing more to
-/// relight: exit radiance towards v is d · q(v) in place of c · y(v). Nor do they lose digits when rounded; |c| may exceed the norm
-/// of f by √(cond A), and what rounding does to f with it. The symmetric root A^(1/2) c would serve as well, being an orthogonal
-/// matrix times d; but d is nested. L is ordered by band, so the first n² of the d of a higher order are those of order n, and to
-/// cut d short is to project onto fewer bands.
+/// relight: exit radiance towards v is d · q(v) in place of c · y(v). Nor do they lose digits when rounded; |c| may
+/// exceed the norm of f by √(cond A), and what rounding does to f with it. The symmetric root A^(1/2) c would serve as
+/// well, being an orthogonal matrix times d; but d is nested. L is ordered by band, so the first n² of the d of a
+/// higher order are those of order n, and to cut d short is to project onto fewer bands.
 ///
 /// # Accuracy
 ///
-/// L comes from orthonormalising the sampled functions: √(cond A) amplifies its rounding, where by way of A it would be cond A. The
-/// largest relative errors over many random band-limited f, and by how much the ∫_H q_i q_k are off, with q made by this L and by
-/// the Cholesky factor of A:
+/// L comes from orthonormalising the sampled functions: √(cond A) amplifies its rounding, where by way of A it would be
+/// cond A. The largest relative errors over many random band-limited f, and by how much the ∫_H q_i q_k are off, with q
+/// made by this L and by the Cholesky factor of A:
 ///
 /// | functions | cond A | c to d to c | b to d | b to c | q by L | q by Cholesky |
 /// | --- | --- | --- | --- | --- | --- | --- |
@@ -44,7 +47,8 @@ use std::f64::consts::PI;
 /// | 99 | 3.0e10 | 9e-14 | 3e-11 | 3e-6 | 1e-11 | 7e-7 |
 /// | 100 | 3.1e12 | 4e-13 | 3e-10 | 4e-4 | 1e-10 | 3e-4 |
 ///
-/// What b loses on its way to c lies in directions that all but vanish on H: the function itself is off by hardly more than d is.
+/// What b loses on its way to c lies in directions that all but vanish on H: the function itself is off by hardly more
+/// than d is.
 pub struct HemisphereSh {
     harmonics: Harmonics,
     /// l(l+1)+m of each function.
@@ -66,8 +70,9 @@ impl HemisphereSh {
     pub const MAX_ORDER: usize = 10;
 
     /// As many functions as there are `coefficients`: n² are all of bands 0 to n-1, n from 1 to
-    /// [`MAX_ORDER`](HemisphereSh::MAX_ORDER). From n = 2 on n²-1 are those without l = 1, m = 0, the one that the others approximate
-    /// best at the paper's order n = 5, with a squared error of 1.48e-5: the condition of A falls from 1.5e5 to 3.2e3.
+    /// [`MAX_ORDER`](HemisphereSh::MAX_ORDER). From n = 2 on n²-1 are those without l = 1, m = 0, the one that the
+    /// others approximate best at the paper's order n = 5, with a squared error of 1.48e-5: the condition of A falls
+    /// from 1.5e5 to 3.2e3.
     pub fn new(coefficients: usize) -> Result<HemisphereSh> {
         let refuse = || Error::Unsupported {
             what: "coefficients on the hemisphere".into(),
@@ -104,13 +109,15 @@ impl HemisphereSh {
         out[..self.coefficients()].iter_mut().zip(&self.indices).for_each(|(out, &i)| *out = all[i]);
     }
 
-    /// `out[i]` = q_i(`direction`), a unit vector with z ≥ 0: the orthonormal functions q = L⁻¹ y; as many as there are coefficients.
+    /// `out[i]` = q_i(`direction`), a unit vector with z ≥ 0: the orthonormal functions q = L⁻¹ y; as many as there are
+    /// coefficients.
     pub fn evaluate_orthonormal(&self, direction: Direction, out: &mut [f64]) {
         self.evaluate(direction, out);
         self.each_block(&mut out[..self.coefficients()], 1, Lower::forward);
     }
 
-    /// A_ik = ∫_H y_i y_k, row by row, from its closed form: 1/2 on the diagonal, and 0 unless m is the same and l - l' odd.
+    /// A_ik = ∫_H y_i y_k, row by row, from its closed form: 1/2 on the diagonal, and 0 unless m is the same and l - l'
+    /// odd.
     pub fn gram(&self) -> Vec<f64> {
         let mut horizon = vec![0f64; self.harmonics.coefficients()];
         self.harmonics.evaluate([1.0, 0.0, 0.0], &mut horizon);
@@ -150,14 +157,14 @@ impl HemisphereSh {
         self.each_column(d, Lower::backward)
     }
 
-    /// b becomes d = L⁻¹ b, for each column of a row-major matrix of as many rows as there are coefficients: from a zero-hemisphere
-    /// projection to the orthonormal coordinates of the least-squares projection.
+    /// b becomes d = L⁻¹ b, for each column of a row-major matrix of as many rows as there are coefficients: from a
+    /// zero-hemisphere projection to the orthonormal coordinates of the least-squares projection.
     pub fn project(&self, b: &mut [f64]) -> Result<()> {
         self.each_column(b, Lower::forward)
     }
 
-    /// b becomes c = A⁻¹ b, for each column of a row-major matrix of as many rows as there are coefficients: from a zero-hemisphere
-    /// projection to the harmonic coefficients of the least-squares projection.
+    /// b becomes c = A⁻¹ b, for each column of a row-major matrix of as many rows as there are coefficients: from a
+    /// zero-hemisphere projection to the harmonic coefficients of the least-squares projection.
     pub fn project_harmonic(&self, b: &mut [f64]) -> Result<()> {
         self.project(b)?;
         self.to_harmonic(b)
@@ -216,8 +223,8 @@ fn element(horizon: &[f64], m: usize, l: usize, k: usize) -> f64 {
     if (l + k).is_multiple_of(2) {
         return 0.0;
     }
-    // One function is even in z and one odd. Legendre's equation times the other function, subtracted and integrated by parts, leaves
-    // (odd(odd+1) - even(even+1)) ∫_0^1 Y_even Y_odd dz = Y_even(0) Y_odd'(0).
+    // One function is even in z and one odd. Legendre's equation times the other function, subtracted and integrated by
+    // parts, leaves (odd(odd+1) - even(even+1)) ∫_0^1 Y_even Y_odd dz = Y_even(0) Y_odd'(0).
     let (even, odd) = if (l + m).is_multiple_of(2) { (l, k) } else { (k, l) };
     let value = |l: usize| horizon[l * (l + 1) + m];
     let slope = (((2 * odd + 1) * (odd - m) * (odd + m)) as f64 / (2 * odd - 1) as f64).sqrt() * value(odd - 1);

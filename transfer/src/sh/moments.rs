@@ -49,8 +49,8 @@ impl Texels {
                 return Err(crate::transform::wrong_basis("sh", "texels: cubemap or latlong", basis));
             }
         };
-        // Enough for the highest harmonic and for the projection of the cube, whose nearest singularity is a face away: checked
-        // against closed forms from one texel a face upward.
+        // Enough for the highest harmonic and for the projection of the cube, whose nearest singularity is a face away:
+        // checked against closed forms from one texel a face upward.
         let nodes = 4 + (edge * (order + 8) as f64).ceil() as usize;
         Ok(Texels { harmonics, basis: basis.clone(), nodes: gauss_legendre(nodes) })
     }
@@ -104,8 +104,8 @@ pub fn texel_moments(order: usize, basis: &LightBasis) -> Result<Vec<f32>> {
     Ok(moments)
 }
 
-/// Coefficients Σ_k values_k ∫ Y_i dω of a function that is constant on each texel: the orthogonal projection of, say, a
-/// light onto the harmonics. `values.len()` = lights of `basis`; the result has order² numbers.
+/// Coefficients Σ_k values_k ∫ Y_i dω of a function that is constant on each texel: the orthogonal projection of, say,
+/// a light onto the harmonics. `values.len()` = lights of `basis`; the result has order² numbers.
 pub fn project(order: usize, basis: &LightBasis, values: &[f32]) -> Result<Vec<f64>> {
     Error::expect_size(format!("values on {basis}"), basis.lights(), values.len())?;
     let texels = Texels::new(order, basis)?;

@@ -12,8 +12,8 @@ use std::f64::consts::PI;
 /// T_ij = ∫ f y_i y_j dω = Σ_k γ_ijk f_k,   γ_ijk = ∫ y_i y_j y_k dω
 /// ```
 ///
-/// exactly, for `f` of whatever bands: only those below rows + columns - 1 take part. With the moments of visibility for `f_k` it is the transfer
-/// of incident light (Sloan et al. 2002, §5).
+/// exactly, for `f` of whatever bands: only those below rows + columns - 1 take part. With the moments of visibility
+/// for `f_k` it is the transfer of incident light (Sloan et al. 2002, §5).
 pub struct Products {
     rows: usize,
     columns: usize,

@@ -6,18 +6,19 @@ use crate::error::{Error, Result};
 
 /// How a rotation or a mirror acts on coefficients of spherical harmonics of bands 0 to order-1.
 ///
-/// With R the matrix, whose rows are the new axes in old coordinates (say tangent, bitangent and normal in those of the world), a
-/// direction v has the new coordinates R v. The block diagonal orthogonal matrix D held here satisfies
+/// With R the matrix, whose rows are the new axes in old coordinates (say tangent, bitangent and normal in those of the
+/// world), a direction v has the new coordinates R v. The block diagonal orthogonal matrix D held here satisfies
 ///
 /// ```text
 /// y(R v) = D y(v)
 /// ```
 ///
-/// so that, where f(v) = Σ c_i y_i(v), the function g with g(R v) = f(v) has the coefficients D c: the same function, seen from the
-/// new axes. Each band is mixed by a (2l+1) x (2l+1) block made from that of the band before it by the recurrence of Ivanic and
-/// Ruedenberg (J. Phys. Chem. 100, 1996, with the corrections of 102, 1998). Its factors do not depend on R: they are made once, and
-/// [`set`](Rotation::set) changes R without allocation; give each thread a clone. D is orthogonal to 3e-14 up to order 16, and
-/// turns harmonics to 1e-12 up to order 24, to 1e-10 up to order 64.
+/// so that, where f(v) = Σ c_i y_i(v), the function g with g(R v) = f(v) has the coefficients D c: the same function,
+/// seen from the new axes. Each band is mixed by a (2l+1) x (2l+1) block made from that of the band before it by the
+/// recurrence of Ivanic and Ruedenberg (J. Phys. Chem. 100, 1996, with the corrections of 102, 1998). Its factors do
+/// not depend on R: they are made once, and [`set`](Rotation::set) changes R without allocation; give each thread a
+/// clone. D is orthogonal to 3e-14 up to order 16, and turns harmonics to 1e-12 up to order 24, to 1e-10 up to order
+/// 64.
 #[derive(Clone, Debug)]
 pub struct Rotation {
     order: usize,
@@ -53,7 +54,8 @@ fn start(l: usize) -> usize {
 }
 
 impl Rotation {
-    /// Bands 0 to `order`-1 with `order` from 1 to [`MAX_ORDER`](super::MAX_ORDER), and the `matrix` that [`set`](Rotation::set) takes.
+    /// Bands 0 to `order`-1 with `order` from 1 to [`MAX_ORDER`](super::MAX_ORDER), and the `matrix` that
+    /// [`set`](Rotation::set) takes.
     pub fn new(order: usize, matrix: [Direction; 3]) -> Result<Rotation> {
         super::check_order(order)?;
         let recurrence = (2..order).map(Band::new).collect();
@@ -62,9 +64,10 @@ impl Rotation {
         Ok(rotation)
     }
 
-    /// Replaces the matrix. Its rows are unit vectors at right angles, of either handedness: where R Rᵀ differs from the identity by
-    /// more than 1e-4 in an element it is refused, and the rotation stays what it was. Below that the orthogonal matrix nearest to
-    /// it is meant, so that D is orthogonal to rounding even for frames kept in single precision.
+    /// Replaces the matrix. Its rows are unit vectors at right angles, of either handedness: where R Rᵀ differs from
+    /// the identity by more than 1e-4 in an element it is refused, and the rotation stays what it was. Below that the
+    /// orthogonal matrix nearest to it is meant, so that D is orthogonal to rounding even for frames kept in single
+    /// precision.
     pub fn set(&mut self, matrix: [Direction; 3]) -> Result<()> {
         let matrix = nearest_orthogonal(matrix)?;
         // Band 1 is y, z, x.
@@ -85,7 +88,8 @@ impl Rotation {
         self.order
     }
 
-    /// The block of band `l` below the order, (2l+1) x (2l+1), row by row: element (m+l, m'+l) multiplies coefficient m' to make m.
+    /// The block of band `l` below the order, (2l+1) x (2l+1), row by row: element (m+l, m'+l) multiplies coefficient
+    /// m' to make m.
     pub fn band(&self, l: usize) -> &[f64] {
         &self.blocks[start(l)..start(l + 1)]
     }

@@ -27,16 +27,17 @@ const MAX_MOMENTS: usize = 1 << 24;
 
 /// The light transform from texels to spherical harmonics.
 ///
-/// A row holds the moments T_k = ∫ f dω over texels. It is replaced by those of the nearest band-limited function: T̃_k = Σ_i c_i
-/// B_ik with the moments `B_ik` = ∫ Y_i dω of the harmonics, and c minimising the error over the sphere Σ_k (T_k - T̃_k)²/dω_k:
+/// A row holds the moments T_k = ∫ f dω over texels. It is replaced by those of the nearest band-limited function: T̃_k
+/// = Σ_i c_i B_ik with the moments `B_ik` = ∫ Y_i dω of the harmonics, and c minimising the error over the sphere Σ_k
+/// (T_k - T̃_k)²/dω_k:
 ///
 /// ```text
 /// c = (B D⁻¹ Bᵀ)⁻¹ B D⁻¹ T,   D = diag(dω)
 /// ```
 ///
-/// The matrix in parentheses is the Gram matrix of the harmonics averaged over texels. It tends to the identity as texels shrink;
-/// inverting it makes the projection exact on any grid: T̃ projects onto itself, and no other c is nearer. A light's
-/// coefficients are B·x, which are exactly those of the light that is constant on each texel.
+/// The matrix in parentheses is the Gram matrix of the harmonics averaged over texels. It tends to the identity as
+/// texels shrink; inverting it makes the projection exact on any grid: T̃ projects onto itself, and no other c is
+/// nearer. A light's coefficients are B·x, which are exactly those of the light that is constant on each texel.
 pub struct Sh(ShParams);
 
 /// [`Sh`] on a grid of texels. The transform of a light takes lights · order² multiplications and as many additions.

@@ -8,8 +8,8 @@ pub(super) struct Lower {
 }
 
 impl Lower {
-    /// The Cholesky factor of the lower triangle of a Gram matrix whose diagonal is at most about 1; `None` where it is nearly
-    /// singular.
+    /// The Cholesky factor of the lower triangle of a Gram matrix whose diagonal is at most about 1; `None` where it is
+    /// nearly singular.
     pub(super) fn cholesky(mut g: Vec<f64>, n: usize) -> Option<Lower> {
         // Below this share of its length a harmonic is not told from those before it.
         const LEAST_PIVOT: f64 = 1e-3;
@@ -28,8 +28,9 @@ impl Lower {
         Some(Lower { n, values: g })
     }
 
-    /// The same factor of the Gram matrix of linearly independent `vectors`, which is not formed: its condition is the square of
-    /// theirs. Row k of L is vector k in the coordinates of the orthonormal vectors made of it and those before it.
+    /// The same factor of the Gram matrix of linearly independent `vectors`, which is not formed: its condition is the
+    /// square of theirs. Row k of L is vector k in the coordinates of the orthonormal vectors made of it and those
+    /// before it.
     pub(super) fn gram_schmidt(mut vectors: Vec<Vec<f64>>) -> Lower {
         let n = vectors.len();
         let mut values = vec![0f64; n * n];

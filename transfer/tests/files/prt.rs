@@ -12,8 +12,8 @@ fn registry() -> Registry {
     Registry::new().transform::<Identity>().codec::<Csr>()
 }
 
-/// 60 samples x 2 responses over 24 texels: row r holds (r mod 5) / 4 in columns r, r + 7, r + 14 (mod 24), none in every
-/// fifth row.
+/// 60 samples x 2 responses over 24 texels: row r holds (r mod 5) / 4 in columns r, r + 7, r + 14 (mod 24), none in
+/// every fifth row.
 fn matrix() -> TransferMatrix {
     matrix_of(2)
 }

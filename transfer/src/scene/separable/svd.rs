@@ -20,9 +20,10 @@ const NOTHING: f64 = 1e-15;
 const SWEEPS: usize = 30;
 
 impl Svd {
-    /// Jacobi's rotations of the columns of A V, with V the eigenvectors of AᵀA for a start (Drmač and Veselić 2008 start from a QR):
-    /// every singular value to a few roundings of the largest and vectors that are orthogonal by construction, whatever the rank. Bidiagonal QR
-    /// iterations, nalgebra's own, lose a tenth of the only vector of a matrix of rank 1.
+    /// Jacobi's rotations of the columns of A V, with V the eigenvectors of AᵀA for a start (Drmač and Veselić 2008
+    /// start from a QR): every singular value to a few roundings of the largest and vectors that are orthogonal by
+    /// construction, whatever the rank. Bidiagonal QR iterations, nalgebra's own, lose a tenth of the only vector of a
+    /// matrix of rank 1.
     ///
     /// # Errors
     /// Rotations that do not come to an end, as with values that are not finite.
