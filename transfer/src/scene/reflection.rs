@@ -122,7 +122,7 @@ mod tests {
             let brdf: Brdf = brdf.parse().unwrap();
             let found = reflection(&brdf, &sh, &sh);
             // 1 = √2π q_0, and radiance towards v is the albedo of v.
-            let n = 120;
+            let n = 400;
             let mut expected = [0f64; 24];
             for k in 0..n {
                 let t = (k as f64 + 0.5) / n as f64;
