@@ -1,7 +1,6 @@
 //! The error of a compressed matrix: streamed by samples, summed in `f64`, the same on any number of threads.
 
-use crate::metric::Metric;
-use prt_transfer::{Compressed, TransferMatrix};
+use prt_transfer::{Compressed, Metric, TransferMatrix};
 use rayon::prelude::*;
 
 /// Rows of one task, about. Fixed, so that the order of additions does not depend on the threads.

@@ -23,7 +23,6 @@ pub mod list;
 pub mod machine;
 pub mod measure;
 pub mod memory;
-pub mod metric;
 pub mod number;
 pub mod precompute;
 pub mod progress;

@@ -2,7 +2,6 @@
 
 use crate::error_sums::{self, Sums, relative};
 use crate::family::family;
-use crate::metric::Metric;
 use crate::row::{Row, Status};
 use crate::scenes::{self, LIGHTS};
 use crate::suite::DENSE_LIMIT;
@@ -10,7 +9,7 @@ use crate::timing::{Budget, Timing};
 use crate::{files, fingerprint, memory, number};
 use anyhow::{Context, ensure};
 use ndarray::{Array2, ArrayView2, s};
-use prt_transfer::{Compressed, Label, Progress, Registry, TransferMatrix};
+use prt_transfer::{Compressed, Label, Metric, Progress, Registry, TransferMatrix};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;

@@ -3,9 +3,10 @@
 //! A light is `L(ω) = Σ_k x_k b_k(ω)`; a row of the matrix holds the moments `T_k = ∫ f(ω) b_k(ω) dω` of its transfer
 //! function `f`, so that `y = Σ_k T_k x_k = ∫ f L dω`. For texels `b_k` is 1 on texel `k`, `x_k` is the radiance there and
 //! `T_k` includes the texel's solid angle. The norm of `f` over the sphere is then
-//! `Tᵀ G⁻¹ T` with the Gram matrix `G` of the basis; for texels, where `G = diag(dω)`, that is `Σ T_k² / dω_k`. Whatever the
-//! signal (`biscale` sums radiance without solid angles), it is the expected square of `y` under light that is white noise over
-//! the sphere, and an error in it the expected squared error of relit output.
+//! `Tᵀ G⁻¹ T` with the Gram matrix `G` of the basis; for texels, where `G = diag(dω)`, that is `Σ T_k² / dω_k`. It is the
+//! expected square of `y` under light that is white noise over the sphere, and an error in it the expected squared error of relit
+//! output. Where the light brings the solid angles along instead, as for `biscale`, the same is `Σ T_k² dω_k`
+//! ([`crate::ResponseBasis::light_weights`]).
 
 use crate::error::{Error, Result};
 use std::f64::consts::PI;

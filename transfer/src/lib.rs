@@ -32,6 +32,7 @@ pub mod matrix;
 #[cfg(any(feature = "io", feature = "scene"))]
 pub mod mesh;
 pub mod method;
+pub mod metric;
 mod narrow;
 pub mod params;
 pub mod progress;
@@ -51,6 +52,7 @@ pub use flops::{Count, Flops, NoCount, Tally};
 pub use label::{Label, Stage};
 pub use matrix::{Row, Shape, TransferMatrix};
 pub use method::{Compressed, Method, Registry};
+pub use metric::Metric;
 pub use params::{Field, Params};
 pub use progress::{Progress, Quiet};
 pub use responses::ResponseBasis;

@@ -88,16 +88,6 @@ impl Glossy {
         })
     }
 
-    /// The functions of exit radiance.
-    pub fn exit(&self) -> &HemisphereSh {
-        &self.exit
-    }
-
-    /// Bands of arriving radiance.
-    pub fn incident(&self) -> &HemisphereSh {
-        &self.incident
-    }
-
     /// The functions of exit radiance towards a local direction.
     fn exit_functions(&self, view: DVec3, out: &mut [f64]) {
         match self.coordinates {
@@ -111,7 +101,7 @@ impl Glossy {
     ///
     /// # Errors
     /// A matrix of another size.
-    pub fn reflect(&self, mut arriving: Vec<f64>, out: &mut [f32]) -> Result<()> {
+    fn reflect(&self, mut arriving: Vec<f64>, out: &mut [f32]) -> Result<()> {
         let lights = self.params.light * self.params.light;
         self.incident.project(&mut arriving)?;
         let mut leaving = vec![0f64; self.exit.coefficients() * lights];

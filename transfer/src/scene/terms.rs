@@ -34,11 +34,6 @@ impl TermTransfer {
             separable: SeparableBrdf::new(brdf, terms, VIEWS)?,
         })
     }
-
-    /// The factors.
-    pub fn separable(&self) -> &SeparableBrdf {
-        &self.separable
-    }
 }
 
 impl DenseSignal for TermTransfer {
