@@ -11,6 +11,7 @@
 //! | --- | --- |
 //! | (none) | the vocabulary, and the exact codecs [`dense`], [`csr`], [`compact`], [`runs`], [`visibility`] and half precision [`f16`](mod@f16) |
 //! | `io` | files: `.prt`, `.npz`, `.npy`, `.mtx`, `.ply`, `.obj`, `.exr`, `.hdr`, `.png` |
+//! | `linalg` | large dense products and decompositions, by faer |
 //! | `scene` | meshes, built-in scenes and lights, visibility, BRDFs, the signals `biscale`, `diffuse`, `glossy` and `terms`, pictures of them |
 
 pub mod basis;
@@ -28,6 +29,8 @@ pub mod image;
 pub mod io;
 pub mod kernel;
 pub mod label;
+#[cfg(feature = "linalg")]
+pub mod linalg;
 pub mod matrix;
 #[cfg(any(feature = "io", feature = "scene"))]
 pub mod mesh;

@@ -1,0 +1,197 @@
+//! Large dense products and decompositions, by faer.
+//!
+//! The only place that names the library: its code is generic and compiles where it is called, so everything here is not. Every
+//! function runs on the calling thread, so that results do not depend on the number of threads; callers share the work out by blocks of a
+//! fixed size. Arrays are row-major and contiguous.
+
+use crate::error::{Error, Result};
+use faer::diag::DiagMut;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::svd::{ComputeSvdVectors, svd, svd_scratch};
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2};
+
+/// Eigenvalues or singular values in descending order, and their vectors.
+#[derive(Clone, Debug)]
+pub struct Spectrum {
+    /// Descending.
+    pub values: Vec<f64>,
+    /// Unit vectors, one a row.
+    pub vectors: Array2<f64>,
+}
+
+fn lent<'a, T>(matrix: &'a ArrayView2<'_, T>) -> MatRef<'a, T> {
+    let values = matrix.as_slice().expect(CONTIGUOUS);
+    MatRef::from_row_major_slice(values, matrix.nrows(), matrix.ncols())
+}
+
+fn lent_mut<'a, T>(matrix: &'a mut ArrayViewMut2<'_, T>) -> MatMut<'a, T> {
+    let (rows, columns) = matrix.dim();
+    MatMut::from_row_major_slice_mut(matrix.as_slice_mut().expect(CONTIGUOUS), rows, columns)
+}
+
+const CONTIGUOUS: &str = "matrices of linear algebra are row-major and contiguous";
+
+/// `out` (m x n) = `a` (m x k) · `b` (n x k)ᵀ in single precision.
+///
+/// # Panics
+/// Sizes that do not agree, arrays that are not contiguous.
+pub fn times_transposed(a: ArrayView2<f32>, b: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
+    matmul(lent_mut(&mut out), Accum::Replace, lent(&a), lent(&b).transpose(), 1.0, Par::Seq);
+}
+
+/// As [`times_transposed`] in double precision.
+///
+/// # Panics
+/// Sizes that do not agree, arrays that are not contiguous.
+pub fn times_transposed_f64(a: ArrayView2<f64>, b: ArrayView2<f64>, mut out: ArrayViewMut2<f64>) {
+    matmul(lent_mut(&mut out), Accum::Replace, lent(&a), lent(&b).transpose(), 1.0, Par::Seq);
+}
+
+/// `out` (m x n) = `a` (m x k) · `b` (k x n) in double precision.
+///
+/// # Panics
+/// Sizes that do not agree, arrays that are not contiguous.
+pub fn times(a: ArrayView2<f64>, b: ArrayView2<f64>, mut out: ArrayViewMut2<f64>) {
+    matmul(lent_mut(&mut out), Accum::Replace, lent(&a), lent(&b), 1.0, Par::Seq);
+}
+
+/// `gram` (n x n) += `a` (m x n)ᵀ · `a`; half of it is computed, and copied.
+///
+/// # Panics
+/// Sizes that do not agree, arrays that are not contiguous.
+pub fn add_gram(a: ArrayView2<f64>, mut gram: ArrayViewMut2<f64>) {
+    let n = a.ncols();
+    let full = BlockStructure::Rectangular;
+    let half = BlockStructure::TriangularLower;
+    let a = lent(&a);
+    triangular::matmul(lent_mut(&mut gram), half, Accum::Add, a.transpose(), full, a, full, 1.0, Par::Seq);
+    for i in 0..n {
+        for j in 0..i {
+            gram[[j, i]] = gram[[i, j]];
+        }
+    }
+}
+
+/// All eigenpairs of a symmetric matrix, of which the lower half is read.
+///
+/// # Errors
+/// A matrix with an element that is not finite, or one that the iteration does not end on.
+pub fn eigen(matrix: ArrayView2<f64>) -> Result<Spectrum> {
+    let n = matrix.nrows();
+    Error::expect_size("columns of a symmetric matrix", n, matrix.ncols())?;
+    check_finite(&matrix)?;
+    if n == 0 {
+        return Ok(Spectrum { values: Vec::new(), vectors: Array2::zeros((0, 0)) });
+    }
+    let (mut values, mut vectors) = (vec![0f64; n], Mat::<f64>::zeros(n, n));
+    let requirement = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
+    let mut memory = MemBuffer::new(requirement);
+    let diagonal = DiagMut::from_slice_mut(&mut values);
+    let stack = MemStack::new(&mut memory);
+    self_adjoint_evd(lent(&matrix), diagonal, Some(vectors.as_mut()), Par::Seq, stack, Default::default())
+        .map_err(|_| stuck("eigenvalues"))?;
+    // faer's ascend.
+    values.reverse();
+    Ok(Spectrum { values, vectors: Array2::from_shape_fn((n, n), |(i, j)| vectors[(j, n - 1 - i)]) })
+}
+
+/// Singular values of `matrix` (m x n) and its right singular vectors: min(m, n) rows of n.
+///
+/// # Errors
+/// A matrix with an element that is not finite, or one that the iteration does not end on.
+pub fn singular(matrix: ArrayView2<f64>) -> Result<Spectrum> {
+    let (m, n) = matrix.dim();
+    check_finite(&matrix)?;
+    let rank = m.min(n);
+    if rank == 0 {
+        return Ok(Spectrum { values: Vec::new(), vectors: Array2::zeros((0, n)) });
+    }
+    let (mut values, mut vectors) = (vec![0f64; rank], Mat::<f64>::zeros(n, rank));
+    let (no, thin) = (ComputeSvdVectors::No, ComputeSvdVectors::Thin);
+    let mut memory = MemBuffer::new(svd_scratch::<f64>(m, n, no, thin, Par::Seq, Default::default()));
+    let (diagonal, stack) = (DiagMut::from_slice_mut(&mut values), MemStack::new(&mut memory));
+    svd(lent(&matrix), diagonal, None, Some(vectors.as_mut()), Par::Seq, stack, Default::default())
+        .map_err(|_| stuck("singular values"))?;
+    Ok(Spectrum { values, vectors: Array2::from_shape_fn((rank, n), |(i, j)| vectors[(j, i)]) })
+}
+
+fn check_finite(matrix: &ArrayView2<f64>) -> Result<()> {
+    match matrix.indexed_iter().find(|(_, v)| !v.is_finite()) {
+        Some(((row, col), &value)) => Err(Error::NotFinite { row, col, value }),
+        None => Ok(()),
+    }
+}
+
+fn stuck(what: &str) -> Error {
+    Error::Unsupported {
+        what: format!("{what} of a finite matrix"),
+        expected: "an iteration that converges".into(),
+        found: "one that does not".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(m: usize, n: usize) -> Array2<f64> {
+        Array2::from_shape_fn((m, n), |(i, j)| ((i * 37 + j * 101 + i * j * 13) % 97) as f64 / 48.0 - 1.0)
+    }
+
+    fn close(a: &Array2<f64>, b: &Array2<f64>, bound: f64) {
+        let worst = (a - b).iter().fold(0f64, |worst, d| worst.max(d.abs()));
+        assert!(worst <= bound, "{worst:e}");
+    }
+
+    #[test]
+    fn products_are_those_of_ndarray() {
+        let (a, b) = (matrix(7, 12), matrix(5, 12));
+        let mut out = Array2::zeros((7, 5));
+        times_transposed_f64(a.view(), b.view(), out.view_mut());
+        close(&out, &a.dot(&b.t()), 1e-13);
+        let single = |m: &Array2<f64>| m.mapv(|v| v as f32);
+        let mut narrow = Array2::zeros((7, 5));
+        times_transposed(single(&a).view(), single(&b).view(), narrow.view_mut());
+        close(&narrow.mapv(f64::from), &out, 1e-5);
+        let mut out = Array2::zeros((7, 12));
+        times(matrix(7, 5).view(), b.view(), out.view_mut());
+        close(&out, &matrix(7, 5).dot(&b), 1e-13);
+        let mut gram = Array2::from_elem((12, 12), 0.5);
+        add_gram(a.view(), gram.view_mut());
+        close(&gram, &(a.t().dot(&a) + 0.5), 1e-13);
+    }
+
+    #[test]
+    fn a_spectrum_makes_the_matrix_again_and_descends() {
+        for (m, n) in [(9, 6), (6, 9), (4, 4), (1, 3), (40, 200)] {
+            let a = matrix(m, n);
+            let (by_svd, by_gram) = (singular(a.view()).unwrap(), eigen(a.t().dot(&a).view()).unwrap());
+            assert!(by_svd.values.is_sorted_by(|x, y| x >= y) && by_gram.values.is_sorted_by(|x, y| x >= y));
+            for (s, square) in by_svd.values.iter().zip(&by_gram.values) {
+                assert!((s * s - square).abs() <= 1e-11 * by_gram.values[0], "{s} {square}");
+            }
+            // A = A V Vᵀ, and V is orthonormal.
+            let v = &by_svd.vectors;
+            close(&a.dot(&v.t()).dot(v), &a, 1e-11);
+            close(&v.dot(&v.t()), &Array2::eye(m.min(n)), 1e-12);
+            close(&by_gram.vectors.dot(&by_gram.vectors.t()), &Array2::eye(n), 1e-12);
+        }
+    }
+
+    #[test]
+    fn what_is_empty_zero_or_not_finite_is_handled() {
+        assert!(eigen(Array2::zeros((0, 0)).view()).unwrap().values.is_empty());
+        assert_eq!(eigen(Array2::zeros((3, 3)).view()).unwrap().values, [0.0; 3]);
+        assert_eq!(singular(Array2::zeros((2, 3)).view()).unwrap().values, [0.0; 2]);
+        assert!(singular(Array2::zeros((0, 3)).view()).unwrap().values.is_empty());
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert!(eigen(Array2::from_elem((2, 2), bad).view()).is_err());
+            assert!(singular(Array2::from_elem((2, 3), bad).view()).is_err());
+        }
+        assert!(eigen(Array2::zeros((2, 3)).view()).is_err());
+    }
+}
