@@ -43,6 +43,14 @@ pub fn times_transposed(a: ArrayView2<f32>, b: ArrayView2<f32>, mut out: ArrayVi
     matmul(lent_mut(&mut out), Accum::Replace, lent(&a), lent(&b).transpose(), 1.0, Par::Seq);
 }
 
+/// `out` (m x n) = `a` (m x k) · `b` (k x n) in single precision.
+///
+/// # Panics
+/// Sizes that do not agree, arrays that are not contiguous.
+pub fn times_single(a: ArrayView2<f32>, b: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
+    matmul(lent_mut(&mut out), Accum::Replace, lent(&a), lent(&b), 1.0, Par::Seq);
+}
+
 /// As [`times_transposed`] in double precision.
 ///
 /// # Panics
