@@ -1,5 +1,6 @@
 //! Clustered principal components of radiance transfer.
 
+pub mod coherence;
 pub mod model;
 mod params;
 
