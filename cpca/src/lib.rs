@@ -1,6 +1,7 @@
 //! Clustered principal components of radiance transfer.
 
 mod apply;
+pub mod d3dx;
 mod encoded;
 mod ids;
 mod kernel;
