@@ -122,15 +122,20 @@ fn each_sample<'y, Y: ?Sized + 'y, C: Count>(
     }
 }
 
+/// `sums` += `weight` · `product`. A loop and not a closure: what is not inlined would not be compiled for the processor at hand.
 #[inline(always)]
-fn fused<const FMA: bool>(a: f32, b: f32, c: f32) -> f32 {
-    // Where there is no instruction for it, `mul_add` is a call.
-    if FMA { a.mul_add(b, c) } else { a * b + c }
+fn add<const L: usize, const FMA: bool>(sums: &mut [f32; L], weight: f32, product: &[f32; L]) {
+    for i in 0..L {
+        // Where there is no instruction for it, `mul_add` is a call.
+        sums[i] = if FMA { weight.mul_add(product[i], sums[i]) } else { weight * product[i] + sums[i] };
+    }
 }
 
 #[inline(always)]
 fn first<const W: usize, const L: usize>(lanes: [f32; L]) -> [f32; W] {
-    std::array::from_fn(|i| lanes[i])
+    let mut first = [0.0; W];
+    first.copy_from_slice(&lanes[..W]);
+    first
 }
 
 /// One float a product: eight components at a time.
@@ -141,20 +146,28 @@ fn dot<const FMA: bool>(weights: &[f32], products: &[f32]) -> f32 {
     let (of_eights, of_tail) = products.as_chunks::<8>();
     let mut sums = [0f32; 8];
     for (w, r) in eights.iter().zip(of_eights) {
-        sums = std::array::from_fn(|i| fused::<FMA>(w[i], r[i], sums[i]));
+        for i in 0..8 {
+            sums[i] = if FMA { w[i].mul_add(r[i], sums[i]) } else { w[i] * r[i] + sums[i] };
+        }
     }
-    let four: [f32; 4] = std::array::from_fn(|i| sums[i] + sums[i + 4]);
-    let sum = (four[0] + four[2]) + (four[1] + four[3]) + mean;
-    tail.iter().zip(of_tail).fold(sum, |sum, (&w, &r)| fused::<FMA>(w, r, sum))
+    let mut four = [0f32; 4];
+    for i in 0..4 {
+        four[i] = sums[i] + sums[i + 4];
+    }
+    let mut sum = [(four[0] + four[2]) + (four[1] + four[3]) + mean];
+    for (&w, &r) in tail.iter().zip(of_tail) {
+        add::<1, FMA>(&mut sum, w, &[r]);
+    }
+    sum[0]
 }
 
 /// As many floats a product as a vector has.
 #[inline(always)]
 fn narrow<const L: usize, const FMA: bool>(weights: &[f32], products: &[f32]) -> [f32; L] {
-    let products = products.as_chunks::<L>().0;
+    let (products, _) = products.as_chunks::<L>();
     let mut sums = products[0];
     for (&w, r) in weights.iter().zip(&products[1..]) {
-        sums = std::array::from_fn(|i| fused::<FMA>(w, r[i], sums[i]));
+        add::<L, FMA>(&mut sums, w, r);
     }
     sums
 }
@@ -178,12 +191,13 @@ fn wide<const FMA: bool>(weights: &[f32], products: &[f32], out: &mut [f32]) {
 /// `L` floats of each product, from `at` on.
 #[inline(always)]
 fn part<const L: usize, const FMA: bool>(weights: &[f32], products: &[f32], at: usize, out: &mut [f32]) {
-    let lanes = |product: &[f32]| -> [f32; L] { std::array::from_fn(|i| product[at..at + L][i]) };
-    let mut products = products.chunks_exact(out.len());
-    let mut sums = products.next().map_or([0.0; L], lanes);
-    for (&w, r) in weights.iter().zip(products) {
-        let r = lanes(r);
-        sums = std::array::from_fn(|i| fused::<FMA>(w, r[i], sums[i]));
+    let width = out.len();
+    let mut sums = [0f32; L];
+    sums.copy_from_slice(&products[at..at + L]);
+    let mut from = at;
+    for &w in weights {
+        from += width;
+        add::<L, FMA>(&mut sums, w, &products[from..from + L].as_chunks::<L>().0[0]);
     }
     out[at..at + L].copy_from_slice(&sums);
 }
