@@ -124,7 +124,8 @@ pub(crate) fn down_to(spectra: &[Spectrum], prices: Prices, error: f64) -> Vec<u
 
 /// The price of an allocation, representatives' means included.
 pub(crate) fn price(spectra: &[Spectrum], counts: &[usize], prices: Prices) -> f64 {
-    let of = |(spectrum, count): (&Spectrum, &usize)| prices.vector + *count as f64 * prices.component(spectrum.members);
+    let of =
+        |(spectrum, count): (&Spectrum, &usize)| prices.vector + *count as f64 * prices.component(spectrum.members);
     spectra.iter().zip(counts).map(of).sum()
 }
 

@@ -77,7 +77,12 @@ struct Scratch {
 }
 
 /// Assigns every sample to the nearest of `subspaces`.
-pub(crate) fn first(samples: &Samples, head: &Head, subspaces: &Subspaces, progress: &dyn Progress) -> Result<Assignment> {
+pub(crate) fn first(
+    samples: &Samples,
+    head: &Head,
+    subspaces: &Subspaces,
+    progress: &dyn Progress,
+) -> Result<Assignment> {
     let bounds = Bounds::new(head, subspaces, &every(subspaces))?;
     // The nearest by its bound is as good a guess as any.
     let guesses = (0..samples.count())
@@ -120,7 +125,8 @@ pub(crate) fn again(
         let known = Known { sample: sample as u32, own, rest: if far { rest * rest } else { f32::INFINITY } };
         if far { some.push(known) } else { all.push(known) }
     }
-    let moved_bounds = if moved.is_empty() || some.is_empty() { None } else { Some(Bounds::new(head, subspaces, &moved)?) };
+    let moved_bounds =
+        if moved.is_empty() || some.is_empty() { None } else { Some(Bounds::new(head, subspaces, &moved)?) };
     let all_bounds = if all.is_empty() { None } else { Some(Bounds::new(head, subspaces, &every(subspaces))?) };
     let work = [(all, all_bounds), (some, moved_bounds)];
     for (known, bounds) in work.iter().filter_map(|(known, bounds)| Some((known, bounds.as_ref()?))) {
@@ -148,7 +154,13 @@ pub(crate) fn own(samples: &Samples, head: &Head, subspaces: &Subspaces, members
 }
 
 /// Squared distance of each of some samples from the nearest of some subspaces; infinity where there are none.
-pub(crate) fn nearest(samples: &Samples, head: &Head, subspaces: &Subspaces, clusters: &[u32], of: &[u32]) -> Result<Vec<f32>> {
+pub(crate) fn nearest(
+    samples: &Samples,
+    head: &Head,
+    subspaces: &Subspaces,
+    clusters: &[u32],
+    of: &[u32],
+) -> Result<Vec<f32>> {
     if clusters.is_empty() {
         return Ok(vec![f32::INFINITY; of.len()]);
     }
@@ -292,3 +304,6 @@ impl Pass<'_> {
         explicit(self.samples.row(sample as usize), &subspace.mean, &subspace.components)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -74,7 +74,8 @@ fn planned(task: &Task, engine: &Engine, samples: &Samples, allowed: f64, progre
         Some(clusters) if task.plan.mode == Mode::Static => return Ok(Plan { clusters, ..task.plan }),
         Some(clusters) => trial(clusters)?,
         None => {
-            let mut numbers = (0..=16).map(|power| 1usize << power).take_while(|k| *k == 1 || *k <= samples.count() / 2);
+            let mut numbers =
+                (0..=16).map(|power| 1usize << power).take_while(|k| *k == 1 || *k <= samples.count() / 2);
             progress.start("number of clusters", 17);
             let (mut best, mut dearer) = (None::<Bargain>, 0);
             while let Some(clusters) = numbers.next().filter(|_| dearer < PATIENCE) {

@@ -7,8 +7,8 @@
 use crate::head::{Head, Seen, square};
 use crate::subspaces::Subspaces;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
-use prt_transfer::linalg;
 use prt_transfer::Result;
+use prt_transfer::linalg;
 use rayon::prelude::*;
 
 /// All subspaces of one sweep, seen from a head, in the layout of one product: for each number j of components, the clusters
@@ -63,7 +63,9 @@ impl Bounds {
             for (mean, vectors, _) in seen.iter().take_while(|(_, vectors, _)| vectors.len() > level) {
                 let vector = &vectors[level].coordinates;
                 rows.extend(vector);
-                shifts.push(mean.coordinates.iter().zip(vector).map(|(m, v)| f64::from(*m) * f64::from(*v)).sum::<f64>() as f32);
+                shifts
+                    .push(mean.coordinates.iter().zip(vector).map(|(m, v)| f64::from(*m) * f64::from(*v)).sum::<f64>()
+                        as f32);
             }
             levels.push(shifts.len());
         }
@@ -100,7 +102,8 @@ impl Bounds {
         work.points.clear();
         samples.iter().for_each(|&s| work.points.extend_from_slice(head.coordinates(s as usize)));
         let points = ArrayView2::from_shape((count, head.size()), &work.points).expect("rows of the head");
-        let products = ArrayViewMut2::from_shape((count, width), &mut work.products[..count * width]).expect("as resized");
+        let products =
+            ArrayViewMut2::from_shape((count, width), &mut work.products[..count * width]).expect("as resized");
         linalg::times_transposed(points, self.rows.view(), products);
         let slack = self.slack();
         pulp::Arch::new().dispatch(|| {
@@ -151,7 +154,8 @@ fn leak(vectors: &[Seen]) -> Result<f64> {
         return Ok(0.0);
     }
     let q = vectors.len();
-    let dot = |a: &Seen, b: &Seen| a.coordinates.iter().zip(&b.coordinates).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
+    let dot =
+        |a: &Seen, b: &Seen| a.coordinates.iter().zip(&b.coordinates).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
     let gram = Array2::from_shape_fn((q, q), |(i, j)| dot(&vectors[i], &vectors[j]));
     let least = linalg::eigen(gram.view())?.values[q - 1];
     Ok((1.0 - least + 1e-6).clamp(0.0, MOST_LEAK))

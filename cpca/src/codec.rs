@@ -128,7 +128,14 @@ impl Codec for Cpca {
             Clusters::Auto => None,
         };
         let usual = if mode == Mode::Static { SWEEPS } else { SWEEPS_OF_EACH };
-        let plan = Plan { mode, start, seed, allocation, sweeps: sweeps.unwrap_or(usual), ..Plan::new(number.unwrap_or(1), components) };
+        let plan = Plan {
+            mode,
+            start,
+            seed,
+            allocation,
+            sweeps: sweeps.unwrap_or(usual),
+            ..Plan::new(number.unwrap_or(1), components)
+        };
         let task = Task { plan, clusters: number, solver, norm, weights, representatives };
         match max_error {
             None => task.encode(matrix, progress),
@@ -153,7 +160,12 @@ impl Task {
         self.stored(&samples, matrix, &clustering, progress)
     }
 
-    fn encode_bounded<P: Params>(mut self, matrix: &TransferMatrix, bound: f64, progress: &dyn Progress) -> Result<EncodedCpca> {
+    fn encode_bounded<P: Params>(
+        mut self,
+        matrix: &TransferMatrix,
+        bound: f64,
+        progress: &dyn Progress,
+    ) -> Result<EncodedCpca> {
         let samples = self.samples(matrix)?;
         match bounded(&self, matrix, &samples, bound, progress)? {
             Bounded::Kept(encoded) => Ok(encoded),

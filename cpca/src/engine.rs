@@ -126,7 +126,12 @@ impl<'a> Engine<'a> {
         let ids = self.samples.count() as f64 * (groups.len() as f64).log2().ceil() / 8.0;
         let bytes = price(&spectra, &components, prices) + ids;
         let weights = spectra.iter().zip(&components).map(|(s, c)| s.members * c).sum();
-        Ok(Bargain { left: tails(&spectra, &components), bytes, weights, clustering: Clustering { groups, components } })
+        Ok(Bargain {
+            left: tails(&spectra, &components),
+            bytes,
+            weights,
+            clustering: Clustering { groups, components },
+        })
     }
 
     /// LBG: clusters by distance to their means.

@@ -38,11 +38,17 @@ pub(crate) fn finish(
     Ok(Model { shape, clusters: finished.into_iter().map(|f| f.cluster).collect(), members, weights })
 }
 
-fn finished(samples: &Samples, group: &[u32], components: usize, solver: &(dyn EigenSolver + Send)) -> Result<Finished> {
+fn finished(
+    samples: &Samples,
+    group: &[u32],
+    components: usize,
+    solver: &(dyn EigenSolver + Send),
+) -> Result<Finished> {
     let mean: Vec<f32> = mean(samples, group).iter().map(|m| *m as f32).collect();
     let rows = centred(samples, group, &mean);
     let wanted = components.min(group.len() - 1).min(samples.dimension());
-    let vectors = if wanted == 0 { Array2::zeros((0, mean.len())) } else { solver.leading(rows.view(), wanted, None)?.vectors };
+    let vectors =
+        if wanted == 0 { Array2::zeros((0, mean.len())) } else { solver.leading(rows.view(), wanted, None)?.vectors };
     let (of_weights, of_vectors) = samples.scales();
     // (x - x0) · x_i, with what the vectors are before they are rounded: to rounding the same, and orthogonal.
     let weights = rows.dot(&vectors.t()).iter().map(|w| (w * of_weights) as f32).collect();

@@ -29,4 +29,3 @@ impl Groups {
         &self.samples[self.starts[cluster]..self.starts[cluster + 1]]
     }
 }
-

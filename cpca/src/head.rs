@@ -51,7 +51,8 @@ impl Head {
         let origin = mean(samples);
         let axes = if n <= WHOLE { None } else { Some(axes(samples, &origin)?) };
         let size = axes.as_ref().map_or(n, Array2::nrows);
-        let mut head = Head { origin, axes, size, coordinates: vec![0.0; count * size], squares: Vec::new(), tails: Vec::new() };
+        let mut head =
+            Head { origin, axes, size, coordinates: vec![0.0; count * size], squares: Vec::new(), tails: Vec::new() };
         let mut coordinates = std::mem::take(&mut head.coordinates);
         let lengths: Vec<(f32, f32)> = coordinates
             .par_chunks_mut(BLOCK * size.max(1))
@@ -122,7 +123,9 @@ impl Head {
     pub(crate) fn direction(&self, direction: &[f32]) -> Seen {
         let coordinates: Vec<f32> = match &self.axes {
             None => direction.to_vec(),
-            Some(axes) => axes.outer_iter().map(|axis| dot(axis.as_slice().expect("rows are contiguous"), direction)).collect(),
+            Some(axes) => {
+                axes.outer_iter().map(|axis| dot(axis.as_slice().expect("rows are contiguous"), direction)).collect()
+            }
         };
         let rest = if self.axes.is_none() { 0.0 } else { (square(direction) - square(&coordinates)).max(0.0) };
         Seen { coordinates, tail: rest.sqrt() }
@@ -167,7 +170,7 @@ fn axes(samples: &Samples, origin: &[f32]) -> Result<Array2<f32>> {
     let whole: f64 = rows.iter().map(|v| f64::from(*v).powi(2)).sum();
     let most = MOST.min(n).min(chosen.len().max(1));
     let mut random = Random(0x5eed);
-    let mut axes = Array2::from_shape_simple_fn((most, n), || random.unit() as f32 - 0.5);
+    let mut axes = Array2::from_shape_simple_fn((most, n), || random.uniform() as f32 - 0.5);
     orthonormalise(&mut axes);
     let columns = rows.t().as_standard_layout().into_owned();
     let mut energies = Vec::new();

@@ -7,6 +7,7 @@ mod bounded;
 mod bounds;
 mod codec;
 pub mod coherence;
+pub mod d3dx;
 mod encoded;
 mod engine;
 mod finish;

@@ -38,7 +38,8 @@ pub(crate) fn refit(
 ) -> Result<Subspaces> {
     let fit = |cluster: usize| {
         let group = groups.of_cluster(cluster);
-        let same = !changed[cluster] && before.components(cluster) == components[cluster].min(group.len().saturating_sub(1));
+        let same =
+            !changed[cluster] && before.components(cluster) == components[cluster].min(group.len().saturating_sub(1));
         if group.is_empty() || same {
             return Ok(before.of(cluster).clone());
         }

@@ -43,11 +43,14 @@ impl Search<'_> {
         let high: Vec<usize> = order.iter().rev().copied().take(most).filter(|&c| errors[c] > mean).collect();
         let mut costs = self.costs(state, &groups, &low, &own)?;
         costs.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        let split = |&c: &usize| self.split(&state.subspaces.of(c).clone(), groups.of_cluster(c), components[c], errors[c], c);
-        let mut halves: Vec<Halves> = high.par_iter().map(split).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
+        let split =
+            |&c: &usize| self.split(&state.subspaces.of(c).clone(), groups.of_cluster(c), components[c], errors[c], c);
+        let mut halves: Vec<Halves> =
+            high.par_iter().map(split).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
         halves.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.cluster.cmp(&b.cluster)));
         let mut moved = 0;
-        for ((dissolved, _), split) in costs.into_iter().zip(halves).take_while(|((_, cost), split)| split.gain > *cost) {
+        for ((dissolved, _), split) in costs.into_iter().zip(halves).take_while(|((_, cost), split)| split.gain > *cost)
+        {
             let [first, second] = split.halves;
             state.replace(split.cluster, first);
             state.replace(dissolved, second);
@@ -71,7 +74,14 @@ impl Search<'_> {
     }
 
     /// A cluster's members cut in two across its first component, with a subspace for each half.
-    fn split(&self, whole: &Subspace, group: &[u32], components: usize, error: f64, cluster: usize) -> Result<Option<Halves>> {
+    fn split(
+        &self,
+        whole: &Subspace,
+        group: &[u32],
+        components: usize,
+        error: f64,
+        cluster: usize,
+    ) -> Result<Option<Halves>> {
         let n = self.samples.dimension();
         if group.len() < 2 {
             return Ok(None);
@@ -87,13 +97,19 @@ impl Search<'_> {
         let mut sides: Vec<bool> = along.iter().map(|a| *a > 0.0).collect();
         let mut best: Option<Halves> = None;
         for _ in 0..ROUNDS {
-            let side = |which: bool| group.iter().zip(&sides).filter(|(_, s)| **s == which).map(|(g, _)| *g).collect::<Vec<u32>>();
+            let side = |which: bool| {
+                group.iter().zip(&sides).filter(|(_, s)| **s == which).map(|(g, _)| *g).collect::<Vec<u32>>()
+            };
             let (left, right) = (side(false), side(true));
             if left.is_empty() || right.is_empty() {
                 break;
             }
-            let halves = [fit(self.samples, &left, components, &whole.components)?, fit(self.samples, &right, components, &whole.components)?];
-            let distance = |s: u32, half: &Subspace| explicit(self.samples.row(s as usize), &half.mean, &half.components);
+            let halves = [
+                fit(self.samples, &left, components, &whole.components)?,
+                fit(self.samples, &right, components, &whole.components)?,
+            ];
+            let distance =
+                |s: u32, half: &Subspace| explicit(self.samples.row(s as usize), &half.mean, &half.components);
             let mut sum = 0.0;
             for (side, &sample) in sides.iter_mut().zip(group) {
                 let [a, b] = [distance(sample, &halves[0]), distance(sample, &halves[1])];
@@ -110,7 +126,11 @@ impl Search<'_> {
 
     fn farthest(&self, group: &[u32], mean: &[f32]) -> usize {
         let distance = |s: u32| explicit(self.samples.row(s as usize), mean, &[]);
-        let far = group.iter().copied().map(|s| (distance(s), s)).fold((-1.0, 0), |best, d| if d.0 > best.0 { d } else { best });
+        let far = group
+            .iter()
+            .copied()
+            .map(|s| (distance(s), s))
+            .fold((-1.0, 0), |best, d| if d.0 > best.0 { d } else { best });
         far.1 as usize
     }
 }

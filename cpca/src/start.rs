@@ -58,7 +58,7 @@ fn plus_plus(samples: &Samples, head: &Head, clusters: usize, random: &mut Rando
         nearest[newest] = 0.0;
         let total: f64 = sums.iter().sum();
         chosen.push(match total > 0.0 {
-            true => drawn(&nearest, random.unit() * total),
+            true => drawn(&nearest, random.uniform() * total),
             // Alike in the head and yet distinct: any that has not been chosen.
             false => (0..pool.len()).find(|i| !chosen.contains(i)).expect("fewer have been chosen than there are"),
         });
