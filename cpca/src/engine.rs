@@ -6,7 +6,6 @@ use crate::head::Head;
 use crate::params::{Allocation, Mode, Start};
 use crate::samples::Samples;
 use crate::spectra::{Spectrum, spectra};
-use crate::start::start;
 use crate::sweeps::{Search, State};
 use prt_transfer::{Progress, Result};
 
@@ -136,8 +135,8 @@ impl<'a> Engine<'a> {
 
     /// LBG: clusters by distance to their means.
     fn begin(&self, plan: &Plan) -> Result<State> {
-        let means = start(&self.samples, &self.head, plan.clusters, plan.start, plan.seed);
-        let search = self.lookup();
+        let search = self.sweeper();
+        let means = search.start(plan.clusters, plan.start, plan.seed)?;
         let clusters = means.len();
         let mut state = search.begin(means)?;
         search.sweeps(&mut state, &vec![0; clusters], plan.sweeps - 1)?;
@@ -147,7 +146,7 @@ impl<'a> Engine<'a> {
     /// Components one by one, with sweeps by approximation error for each number (paper §4.2).
     fn introduce(&self, state: &mut State, plan: &Plan) -> Result<()> {
         for components in 1..=plan.components {
-            self.lookup().sweeps(state, &vec![components; state.subspaces.len()], plan.sweeps)?;
+            self.sweeper().sweeps(state, &vec![components; state.subspaces.len()], plan.sweeps)?;
         }
         Ok(())
     }
@@ -162,7 +161,7 @@ impl<'a> Engine<'a> {
         let (mut least, mut best) = allocate(&spectra(&self.samples, &self.groups(state))?);
         let (mut kept, mut components) = (state.clone(), best.clone());
         for _ in 0..sweeps {
-            if self.lookup().sweep(state, &components)? == 0 {
+            if self.sweeper().sweep(state, &components)? == 0 {
                 break;
             }
             let score;
@@ -179,7 +178,7 @@ impl<'a> Engine<'a> {
         Groups::of(&state.assignment.members, state.subspaces.len())
     }
 
-    fn lookup(&self) -> Search<'_> {
+    fn sweeper(&self) -> Search<'_> {
         Search { samples: &self.samples, head: &self.head, progress: self.progress }
     }
 }

@@ -26,6 +26,7 @@ mod samples;
 mod shift;
 pub mod solver;
 mod spectra;
+mod split;
 mod start;
 mod subspaces;
 mod sweeps;

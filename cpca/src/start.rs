@@ -1,22 +1,58 @@
 //! Where clusters start.
 
+use crate::groups::Groups;
 use crate::head::Head;
 use crate::params::Start;
 use crate::random::Random;
+use crate::refit::fit;
 use crate::samples::Samples;
+use crate::shift::by_cluster;
 use crate::subspaces::{Subspace, Subspaces};
+use crate::sweeps::Search;
+use prt_transfer::Result;
 use rayon::prelude::*;
 
-/// `clusters` means at distinct samples, or fewer where there are no more.
-pub(crate) fn start(samples: &Samples, head: &Head, clusters: usize, start: Start, seed: u64) -> Subspaces {
-    let mut random = Random(seed);
-    let chosen = match start {
-        Start::Random => distinct(samples, &mut random).take(clusters).collect(),
-        _ => plus_plus(samples, head, clusters, &mut random),
-    };
-    let at = |sample: usize| Subspace { mean: samples.row(sample).to_vec(), components: Vec::new() };
-    Subspaces::new(samples.dimension(), chosen.into_iter().map(at).collect())
+impl Search<'_> {
+    /// `clusters` means, or fewer where there are no more distinct samples.
+    pub(crate) fn start(&self, clusters: usize, start: Start, seed: u64) -> Result<Subspaces> {
+        let (samples, mut random) = (self.samples, Random(seed));
+        let chosen = match start {
+            Start::Random => distinct(samples, &mut random).take(clusters).collect(),
+            Start::PlusPlus => plus_plus(samples, self.head, clusters, &mut random),
+            Start::Splitting => return self.splitting(clusters),
+        };
+        let at = |sample: usize| Subspace { mean: samples.row(sample).to_vec(), components: Vec::new() };
+        Ok(Subspaces::new(samples.dimension(), chosen.into_iter().map(at).collect()))
+    }
+
+    /// From one cluster on, those of most error in two, with a few sweeps in between (Linde et al. 1980).
+    fn splitting(&self, clusters: usize) -> Result<Subspaces> {
+        let all: Vec<u32> = (0..self.samples.count() as u32).collect();
+        let mut subspaces = Subspaces::new(self.samples.dimension(), vec![fit(self.samples, &all, 0, &[])?]);
+        while subspaces.len() < clusters {
+            let (k, none) = (subspaces.len(), vec![0; subspaces.len()]);
+            let mut state = self.begin(subspaces.clone())?;
+            self.sweeps(&mut state, &none, SWEEPS_BETWEEN)?;
+            let groups = Groups::of(&state.assignment.members, k);
+            let errors = by_cluster(&state.assignment.errors, &groups);
+            let every: Vec<usize> = (0..k).collect();
+            let gains = self.gains(&every, state.subspaces.all(), &groups, &none, &errors)?;
+            subspaces = state.subspaces;
+            for (cluster, _, halves) in gains.into_iter().filter(|(_, gain, _)| *gain > 0.0).take(clusters - k) {
+                let [first, second] = halves.subspaces;
+                subspaces.set(cluster, first);
+                subspaces.push(second);
+            }
+            if subspaces.len() == k {
+                break;
+            }
+        }
+        Ok(subspaces)
+    }
 }
+
+/// Sweeps between two doublings.
+const SWEEPS_BETWEEN: usize = 2;
 
 /// All samples in random order without those that equal one before.
 fn distinct<'a>(samples: &'a Samples, random: &'a mut Random) -> impl Iterator<Item = usize> + 'a {

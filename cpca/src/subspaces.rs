@@ -36,6 +36,10 @@ impl Subspaces {
         self.subspaces[cluster] = subspace;
     }
 
+    pub(crate) fn push(&mut self, subspace: Subspace) {
+        self.subspaces.push(subspace);
+    }
+
     pub(crate) fn all(&self) -> &[Subspace] {
         &self.subspaces
     }
@@ -43,10 +47,5 @@ impl Subspaces {
     /// Components of a cluster.
     pub(crate) fn components(&self, cluster: usize) -> usize {
         self.subspaces[cluster].components.len() / self.dimension.max(1)
-    }
-
-    /// Components of the cluster that has the most.
-    pub(crate) fn most(&self) -> usize {
-        (0..self.len()).map(|k| self.components(k)).max().unwrap_or(0)
     }
 }
