@@ -39,5 +39,5 @@ mod tests;
 
 pub use overdraw::{Overdraw, overdraw};
 pub use reclassify::{Reclassified, reclassify};
-pub use recluster::{Optimised, Report, optimise, recluster};
+pub use recluster::{Optimised, Report, optimise, recluster, squared_error};
 pub use supercluster::{clusters_by_registers, supercluster_of_samples, superclusters};

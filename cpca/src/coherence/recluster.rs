@@ -32,6 +32,14 @@ impl Report {
     }
 }
 
+/// The squared error of a model over all samples, in coefficients of the matrix that it is of.
+///
+/// # Errors
+/// A model whose sizes contradict each other or those of `samples`.
+pub fn squared_error(model: &Model, samples: &TransferMatrix) -> Result<f64> {
+    Ok(Fit::new(model, samples)?.errors().iter().sum())
+}
+
 /// Moves samples to clusters of their neighbours: less overdraw for no more than `budget` times the model's squared
 /// error, such as 0.05 (paper §5); see [`reclassify`]. The model is one of `samples`, and sample i is vertex i of
 /// `triangles`.

@@ -1,4 +1,4 @@
-use super::super::{Overdraw, optimise, overdraw, recluster, supercluster_of_samples};
+use super::super::{Overdraw, optimise, overdraw, recluster, squared_error, supercluster_of_samples};
 use super::grid;
 use crate::model::{Cluster, Model};
 use proptest::prelude::*;
@@ -86,7 +86,7 @@ fn residuals(model: &Model, values: &[f32]) -> Vec<(Vec<f32>, Vec<f64>)> {
     model.members.iter().zip(values.chunks_exact(N)).map(sample).collect()
 }
 
-fn squared_error(model: &Model, values: &[f32]) -> f64 {
+fn decoded_error(model: &Model, values: &[f32]) -> f64 {
     residuals(model, values).iter().flat_map(|(_, residual)| residual).map(|r| r * r).sum()
 }
 
@@ -106,10 +106,11 @@ proptest! {
         let matrix = dense(&values);
         let before = model(&matrix, &components, orthonormal, seed);
         let (after, report) = recluster(&before, &matrix, &triangles, budget).unwrap();
-        prop_assert!(close(report.initial_error, squared_error(&before, &values)));
-        prop_assert!(close(report.final_error, squared_error(&after, &values)));
-        let bound = (1.0 + budget) * squared_error(&before, &values);
-        prop_assert!(squared_error(&after, &values) <= bound * (1.0 + 1e-12));
+        prop_assert!(close(report.initial_error, decoded_error(&before, &values)));
+        prop_assert!(close(report.final_error, decoded_error(&after, &values)));
+        prop_assert_eq!(squared_error(&after, &matrix).unwrap(), report.final_error);
+        let bound = (1.0 + budget) * decoded_error(&before, &values);
+        prop_assert!(decoded_error(&after, &values) <= bound * (1.0 + 1e-12));
         prop_assert_eq!(report.original, overdraw(&triangles, &before.members).unwrap());
         prop_assert_eq!(report.reclassified, overdraw(&triangles, &after.members).unwrap());
         prop_assert!(report.reclassified.total <= report.original.total);
