@@ -128,8 +128,8 @@ pub fn singular(matrix: ArrayView2<f64>) -> Result<Spectrum> {
     Ok(Spectrum { values, vectors: Array2::from_shape_fn((rank, n), |(i, j)| vectors[(j, i)]) })
 }
 
-/// Whether a symmetric matrix, of which the lower half is read, is positive definite: whether it has a Cholesky factor. What it
-/// holds is lost. An element that is not finite makes it none.
+/// Whether a symmetric matrix, of which the lower half is read, is positive definite: whether it has a Cholesky factor.
+/// What it holds is lost. An element that is not finite makes it none.
 ///
 /// # Panics
 /// A matrix that is not square or not contiguous.
