@@ -8,6 +8,7 @@ use prt_transfer::{Result, linalg};
 use rayon::prelude::*;
 
 /// Squares of the singular values of a cluster's centred members, descending: what each component takes from the error.
+#[derive(Clone, Debug)]
 pub(crate) struct Spectrum {
     pub(crate) members: usize,
     pub(crate) squares: Vec<f64>,

@@ -6,9 +6,9 @@ use crate::registry::registry;
 use crate::scenes::{self, Up};
 use crate::{number, table, terminal};
 use clap::Args;
-use prt_cpca::Model;
+use prt_cpca::{EncodedCpca, Model};
 use prt_cpca::coherence::{Optimised, Overdraw, clusters_by_registers, optimise, squared_error};
-use prt_transfer::{Compressed, Error, Registry, Result};
+use prt_transfer::{Compressed, Encoded, Error, Registry, Restore, Result, Sink, Source};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -146,12 +146,25 @@ type Store<'a> = dyn Fn(&Optimised) -> Result<(Compressed, Model)> + 'a;
 /// # Errors
 /// Another method than vq, pca or cpca on the matrix itself: components of transformed columns are not those of its
 /// samples.
-fn clustered<'a>(compressed: &'a Compressed, _registry: &'a Registry) -> Result<Clustered<'a>> {
-    Err(Error::Unsupported {
-        what: "coherence of a compressed matrix".into(),
-        expected: "vq, pca or cpca without a light transform".into(),
-        found: compressed.label().to_string(),
-    })
+fn clustered<'a>(compressed: &'a Compressed, registry: &'a Registry) -> Result<Clustered<'a>> {
+    let label = compressed.label();
+    if label.transform.name != "identity" || !["vq", "pca", "cpca"].contains(&label.codec.name.as_str()) {
+        return Err(Error::Unsupported {
+            what: "coherence of a compressed matrix".into(),
+            expected: "vq, pca or cpca without a light transform".into(),
+            found: label.to_string(),
+        });
+    }
+    let encoded = EncodedCpca::read(compressed.shape(), &mut Source::new(compressed.sections().into_sections())?)?;
+    let [weights, representatives] = encoded.widths();
+    let store = move |found: &Optimised| {
+        let stored = EncodedCpca::store(&found.model, weights, representatives);
+        let model = stored.model();
+        let (stored, mut sink) = (stored.with_superclusters(found.superclusters.clone())?, Sink::new());
+        stored.write(&mut sink);
+        Ok((registry.restore(&compressed.header(), sink.into_sections())?, model))
+    };
+    Ok(Clustered { model: encoded.model(), store: Box::new(store) })
 }
 
 impl Told {
