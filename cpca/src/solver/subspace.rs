@@ -35,8 +35,8 @@ const SEED: u64 = 0x6772_616d;
 /// the singular values of F down to n·ε of the first, and its right singular vectors. `start` (j x n) spans a guess of
 /// them.
 ///
-/// With a good guess and n of 12·k or more this is up to several times as fast as a decomposition. The energy that is
-/// left over, tr G − Σ s², is then within 1e-6 of the optimum, and within n·ε·s₁² always.
+/// With a good guess and n of 12·k or more this is up to five times as fast as a decomposition. The energy that is left
+/// over, tr G − Σ s², is then above the optimum by the larger of 1e-6 of it and n·ε·s₁² at most.
 ///
 /// # Errors
 /// A matrix that is not square or has an element that is not finite; a start that has not n columns.
