@@ -1,17 +1,16 @@
 //! The cheapest solver that keeps the energy left over within 1e-6 of the optimum.
 //!
-//! Measured by `cargo bench -p prt-benches --bench solvers` with k = 8 on one thread of a server processor,
-//! milliseconds; singular values that fall as i^-2 to i^-1/2. The upper figures of one size differ with where memory
-//! lies more than with the values:
+//! Measured by `cargo bench -p prt-benches --bench solvers` with k = 8 on one thread of a busy server, milliseconds;
+//! where two figures stand, singular values fall as i^-2 and as i^-1/2:
 //!
-//! | m x n | gram | krylov | svd |
-//! | --- | --- | --- | --- |
-//! | 140 x 25 | 0.06 | 0.1 | 0.1 |
-//! | 140 x 155 | 1.5 | 1 to 12 | 2 to 7 |
-//! | 140 x 600 | 2 to 6 | 2 to 20 | 8 to 13 |
-//! | 300 x 300 | 17 to 24 | 5 to 13 | 21 to 34 |
-//! | 600 x 600 | 120 to 150 | 20 to 45 | 160 to 200 |
-//! | 2000 x 600 | 125 to 170 | 75 to 165 | 210 to 280 |
+//! | m x n | gram | krylov | svd | power |
+//! | --- | --- | --- | --- | --- |
+//! | 140 x 25 | 0.14 | too small: svd | 0.25 | 0.47, 1.0 |
+//! | 140 x 155 | 4.0 | 2.5, 10 | 5.5 | 8.5, 26 |
+//! | 140 x 600 | 5.3 | 6.2, 20 | 11 to 13 | 14, 30 |
+//! | 300 x 300 | 21 | 6.0, 13 | 26 | 44, 113 |
+//! | 600 x 600 | 121 | 18, 34 | 158 | 160, 406 |
+//! | 2000 x 600 | 163 | 95, 139 | 258 | 448, 662 |
 
 use super::{Pairs, gram, krylov, svd};
 use ndarray::ArrayView2;

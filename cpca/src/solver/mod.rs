@@ -7,7 +7,7 @@
 //! | solver | excess over that optimum | a singular value is zero up to |
 //! | --- | --- | --- |
 //! | `svd` | rounding | s₁·max(m, n)·ε |
-//! | `krylov` | 1e-8 of the optimum, by a residual test; else `svd` answers | s₁·max(m, n)·ε |
+//! | `krylov` | 1e-6 of the optimum, by a residual test with a margin of 100; else `svd` answers | s₁·max(m, n)·ε |
 //! | `gram` | (max(m, n)·ε)²·s₁⁴/s_k², since s² is known to ε·s₁² only | s₁·(max(m, n)·ε)^½ |
 //! | `auto` | 1e-6 of the optimum: `gram` where its bound is below, else `krylov` | s₁·max(m, n)·ε |
 //! | `power` | none: see [`Solver::Power`] | 4·s₁·max(m, n)·2⁻²³ |

@@ -14,14 +14,14 @@ use ndarray::{Array2, ArrayView2, Axis, s};
 use prt_transfer::{Error, Result, linalg};
 
 /// Columns for each component from which iterating is faster. Measured by `cargo bench -p prt-benches --bench solvers`,
-/// one thread of a server processor, milliseconds:
+/// one thread of a busy server, milliseconds:
 ///
-/// | n, k | decomposition | iteration, members moved by 0.1 % to 30 % |
+/// | n, k | decomposition | iteration, members moved by 0.1 %, 1 %, 10 % |
 /// | --- | --- | --- |
-/// | 25, 2 | 0.04 | 0.02 to 0.03 |
-/// | 64, 4 | 0.24 | 0.11 to 0.27 |
-/// | 64, 8 | 0.24 | 0.15 to 0.90 |
-/// | 155, 8 | 1.7 | 0.38 to 1.4; 4 more where it gives up |
+/// | 25, 2 | 0.12 | 0.02, 0.04, 0.07 |
+/// | 64, 4 | 0.68 | 0.28, 0.27, 0.49 |
+/// | 100, 8 | 0.97 | 0.31, 0.48, 0.70 |
+/// | 155, 8 | 2.5 | 0.54, 0.74, 0.98 |
 const COLUMNS: usize = 12;
 /// Vectors beyond those wanted.
 const BEYOND: usize = 2;
@@ -35,8 +35,8 @@ const SEED: u64 = 0x6772_616d;
 /// the singular values of F down to n·ε of the first, and its right singular vectors. `start` (j x n) spans a guess of
 /// them.
 ///
-/// With a good guess and n of 12·k or more this is several times as fast as a decomposition. The energy that is left
-/// over, tr G − Σ s², is then within 1e-6 of the optimum, and within n·ε·s₁² always.
+/// With a good guess and n of 12·k or more this is up to five times as fast as a decomposition. The energy that is left
+/// over, tr G − Σ s², is then above the optimum by the larger of 1e-6 of it and n·ε·s₁² at most.
 ///
 /// # Errors
 /// A matrix that is not square or has an element that is not finite; a start that has not n columns.
