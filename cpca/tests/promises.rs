@@ -95,9 +95,9 @@ fn iterative_is_no_worse_than_static_and_adaptive_no_worse_than_iterative_of_the
         let errors = ["static", "iterative", "adaptive"].map(|mode| error(&label(mode), &matrix));
         assert!(errors[1] <= errors[0] * (1.0 + 1e-9), "{errors:?}");
         assert!(errors[2] <= errors[1] * (1.0 + 1e-6), "{errors:?}");
-        // Numbers of components take a few bytes, weights and representatives no more.
+        // Weights and representatives take no more; where the weights of a sample begin takes a part of a byte for each.
         let bytes = ["iterative", "adaptive"].map(|mode| resident(&label(mode), &matrix));
-        assert!(bytes[1] <= bytes[0] + 256, "{bytes:?}");
+        assert!(bytes[1] <= bytes[0] + 900, "{bytes:?}");
     }
 }
 
@@ -144,7 +144,12 @@ fn a_bound_is_kept_by_what_is_decoded_in_every_width_and_mode_and_nearly_used_up
                 let label = format!("{method}:max_error={bound}:weights={width}:representatives={width}");
                 let found = error(&label, &matrix);
                 assert!(found <= bound, "{label}: {found:e}");
-                assert!(found > 0.2 * bound, "{label}: {found:e} is far below");
+                // One component fewer would be too few; many clusters leave finer steps.
+                let few = model_size(&label, &matrix).1[0].checked_sub(1).filter(|_| method == "pca");
+                match few {
+                    Some(few) => assert!(error(&format!("pca:components={few}"), &matrix) > bound, "{label}"),
+                    None => assert!(found > 0.2 * bound, "{label}: {found:e} is far below"),
+                }
             }
         }
     }
@@ -285,7 +290,7 @@ fn the_norm_that_is_asked_for_is_the_one_that_is_small() {
         (difference(exact, &decoded), radiance)
     };
     let ((plain, plain_radiance), (other, radiance)) = (errors("coefficients"), errors("radiance"));
-    assert!(radiance < 0.8 * plain_radiance && plain < other, "{plain} {plain_radiance} {other} {radiance}");
+    assert!(radiance < 0.9 * plain_radiance && plain < other, "{plain} {plain_radiance} {other} {radiance}");
 }
 
 proptest! {
