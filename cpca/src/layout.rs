@@ -49,6 +49,14 @@ impl Layout {
         self.clusters
     }
 
+    /// The number of components of all clusters, where they have as many.
+    pub(crate) fn even(&self) -> Option<usize> {
+        match self.components[..] {
+            [all] => Some(all as usize),
+            _ => None,
+        }
+    }
+
     /// n'_k.
     #[inline(always)]
     pub(crate) fn components(&self, cluster: usize) -> usize {

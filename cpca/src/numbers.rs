@@ -5,6 +5,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 use prt_transfer::sections::broken;
 use prt_transfer::{Result, Sink, Source};
+use std::ops::Range;
 
 /// What 16-bit numbers are multiplied by before a sum, and their scales divided by: terms stay below 2, so that no light overflows
 /// that does not with the decoded numbers, and neither does a scale.
@@ -92,10 +93,15 @@ impl Numbers {
         self.scales().map_or(1.0, |scales| scales[vector])
     }
 
-    /// What is stored in a range, unpacked into `buffer` unless it is `f32` already.
-    pub(crate) fn unpack<'a>(&'a self, range: std::ops::Range<usize>, buffer: &'a mut Vec<f32>) -> &'a [f32] {
+    /// What is stored in a range and `spare` finite numbers more, unpacked into `buffer` unless it is `f32` already.
+    pub(crate) fn unpack<'a>(&'a self, range: Range<usize>, spare: usize, buffer: &'a mut Vec<f32>) -> &'a [f32] {
+        let (count, longer) = (range.len() + spare, range.start..range.end + spare);
         match self {
-            Numbers::F32(values) => return &values[range],
+            Numbers::F32(values) if longer.end <= values.len() => return &values[longer],
+            Numbers::F32(values) => {
+                buffer.clear();
+                buffer.extend(&values[range]);
+            }
             Numbers::F16 { halves, .. } => {
                 buffer.resize(range.len(), 0.0);
                 halves[range].convert_to_f32_slice(buffer);
@@ -105,6 +111,7 @@ impl Numbers {
                 buffer.extend(codes[range].iter().map(|&code| f32::from(code)));
             }
         }
+        buffer.resize(count, 0.0);
         buffer
     }
 
