@@ -46,7 +46,8 @@ pub(crate) fn flops(encoded: &EncodedCpca, light: &[f32]) -> Flops {
     tally.0
 }
 
-/// Stage 1: `R_j = X_j l` for the mean and the components of every cluster, those multiplied by the scale of their weights.
+/// Stage 1: `R_j = X_j l` for the mean and the components of every cluster, those multiplied by the scale of their
+/// weights.
 fn project<C: Count>(encoded: &EncodedCpca, lights: ArrayView2<f32>, count: &mut C) -> Result<Products> {
     let (numbers, layout) = (&encoded.representatives, &encoded.layout);
     let shape = Shape { samples: layout.vectors(), ..encoded.shape };
@@ -96,8 +97,8 @@ fn scale<C: Count>(encoded: &EncodedCpca, products: &mut [f32], width: usize, co
     }
 }
 
-/// Stage 2: `e_p = R_0 + Σ_j w_p^j R_j` for the samples from `first` on, a multiple of [`BLOCK`]; `out` is samples x responses x
-/// channels. `buffer` is scratch.
+/// Stage 2: `e_p = R_0 + Σ_j w_p^j R_j` for the samples from `first` on, a multiple of [`BLOCK`]; `out` is samples x
+/// responses x channels. `buffer` is scratch.
 fn combine<C: Count>(
     encoded: &EncodedCpca,
     products: &Products,

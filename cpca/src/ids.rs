@@ -5,7 +5,8 @@ use prt_transfer::{Result, Sink, Source};
 
 const SECTION: &str = "index/members";
 
-/// Cluster ids of ⌈log2 clusters⌉ bits each, the first in the lowest bits of the first byte; nothing where there is one cluster.
+/// Cluster ids of ⌈log2 clusters⌉ bits each, the first in the lowest bits of the first byte; nothing where there is one
+/// cluster.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Ids {
     bits: u32,
@@ -101,7 +102,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn ids_come_back_from_memory_and_from_a_section(bits in 1u32..=32, seed in prop::collection::vec(any::<u32>(), 1..70)) {
+        fn ids_come_back_from_memory_and_from_a_section(
+            bits in 1u32..=32, seed in prop::collection::vec(any::<u32>(), 1..70),
+        ) {
             let clusters = (1usize << bits) - bits as usize / 2;
             let ids: Vec<u32> = seed.iter().map(|s| (*s as usize % clusters) as u32).collect();
             let packed = Ids::pack(&ids, clusters);

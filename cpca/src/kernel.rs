@@ -1,9 +1,10 @@
 //! The sums that relighting spends its time in: each sample's weights times the products of its cluster.
 //!
-//! The same code is compiled twice, once for processors with AVX2 and FMA. Its loops are over arrays of a constant number of floats, which a
-//! compiler turns into vectors. Products of few floats take several components at a time: those of a cluster are filled up with zeros to a
-//! multiple of it, and meet weights of the next sample there, so that clusters of different numbers of components rarely differ in the
-//! number of rounds, which a processor would mispredict.
+//! The same code is compiled twice, once for processors with AVX2 and FMA. Its loops are over arrays of a constant
+//! number of floats, which a compiler turns into vectors. Products of few floats take several components at a time:
+//! those of a cluster are filled up with zeros to a multiple of it, and meet weights of the next sample there, so that
+//! clusters of different numbers of components rarely differ in the number of rounds, which a processor would
+//! mispredict.
 
 use crate::layout::Layout;
 use prt_transfer::Count;
@@ -84,8 +85,8 @@ impl Products {
     }
 }
 
-/// `out` (samples x width) = R_0 + Σ_j w_j R_j of each sample's cluster. `weights` are those of all samples one after the other, and
-/// [`SPARE`] finite numbers.
+/// `out` (samples x width) = R_0 + Σ_j w_j R_j of each sample's cluster. `weights` are those of all samples one after
+/// the other, and [`SPARE`] finite numbers.
 pub(crate) fn combine<C: Count>(
     products: &Products,
     clusters: &[u32],
@@ -134,7 +135,8 @@ fn each<const W: usize, C: Count>(
     each_sample(products, clusters, weights, out.as_chunks_mut::<W>().0.iter_mut(), count, sum);
 }
 
-/// As [`each`] for one response or colour, `L` floats a product, whose usual numbers of components are known to the compiler.
+/// As [`each`] for one response or colour, `L` floats a product, whose usual numbers of components are known to the
+/// compiler.
 #[inline(always)]
 fn often<const W: usize, const L: usize, C: Count>(
     products: &Products,
@@ -153,7 +155,8 @@ fn often<const W: usize, const L: usize, C: Count>(
     }
 }
 
-/// As [`each_sample`] for clusters of `n` components each, which with those that fill them up and the mean are `P` products of `L` floats.
+/// As [`each_sample`] for clusters of `n` components each, which with those that fill them up and the mean are `P`
+/// products of `L` floats.
 #[inline(always)]
 fn alike<const W: usize, const L: usize, const P: usize, C: Count>(
     table: &[[[f32; L]; P]],
@@ -199,7 +202,8 @@ fn fused<const FMA: bool>(a: f32, b: f32, c: f32) -> f32 {
     if FMA { a.mul_add(b, c) } else { a * b + c }
 }
 
-/// `sums` += `weight` · `product`. A loop and not a closure: what is not inlined would not be compiled for the processor at hand.
+/// `sums` += `weight` · `product`. A loop and not a closure: what is not inlined would not be compiled for the
+/// processor at hand.
 #[inline(always)]
 fn add<const L: usize, const FMA: bool>(sums: &mut [f32; L], weight: f32, product: &[f32; L]) {
     for i in 0..L {
@@ -270,4 +274,43 @@ fn part<const L: usize, const FMA: bool>(weights: &[f32], products: &[f32], at: 
         add::<L, FMA>(&mut sums, w, &products[from..from + L].as_chunks::<L>().0[0]);
     }
     out[at..at + L].copy_from_slice(&sums);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ids::Ids;
+    use prt_transfer::{NoCount, Tally};
+
+    #[test]
+    fn vector_and_portable_sums_agree_for_every_width_and_number_of_components() {
+        let number = |i: usize| ((i * 37 + i * i * 11) % 101) as f32 / 50.0 - 1.0;
+        let members: Vec<u32> = (0..40).map(|p| p * 7 % 3).collect();
+        for components in [[0, 0, 0], [4; 3], [7; 3], [8; 3], [13; 3], [16; 3], [17; 3], [0, 9, 3], [30, 1, 8]] {
+            let layout = Layout::of(&components, members.len(), &Ids::pack(&members, 3));
+            for width in [1, 2, 3, 4, 5, 6, 7, 8, 9, 15, 24, 33, 72] {
+                let values: Vec<f32> = (0..layout.vectors() * width).map(number).collect();
+                let products = Products::new(values.clone(), width, &layout);
+                let count = products.weights_of(&members);
+                let weights: Vec<f32> = (0..count + SPARE).map(|i| number(i + 5)).collect();
+                let (mut fast, mut plain) = (vec![9.0; 40 * width], vec![9.0; 40 * width]);
+                let mut tally = Tally::default();
+                combine(&products, &members, &weights, &mut fast, &mut tally);
+                by_width::<false, _>(&products, &members, &weights, &mut plain, &mut NoCount);
+                assert_eq!(tally.0.total(), (2 * count * width) as u64);
+                let mut own = weights.iter();
+                for (p, &k) in members.iter().enumerate() {
+                    let (first, n) = (layout.first_vector(k as usize), layout.components(k as usize));
+                    let own: Vec<f64> = own.by_ref().take(n).map(|&w| w.into()).collect();
+                    for c in 0..width {
+                        let r = |j: usize| f64::from(values[(first + j) * width + c]);
+                        let sum = own.iter().enumerate().fold(r(0), |sum, (j, w)| sum + w * r(1 + j));
+                        for y in [fast[p * width + c], plain[p * width + c]] {
+                            assert!((f64::from(y) - sum).abs() < 1e-5, "{components:?}, width {width}: {y} for {sum}");
+                        }
+                    }
+                }
+            }
+        }
+    }
 }

@@ -15,7 +15,8 @@ use std::path::PathBuf;
 /// Arguments of `prt export`.
 #[derive(Args, Debug)]
 #[command(after_help = "Example:\n  prt export teapot.prt -o teapot.pca\n\n\
-    Of `vq`, `pca` and `cpca` without a light transform, with 1 or 3 responses. Spherical harmonics take the signs of D3DX.")]
+    Of `vq`, `pca` and `cpca` without a light transform, with 1 or 3 responses. Spherical harmonics take the signs \
+    of D3DX.")]
 pub struct Export {
     /// Compressed matrix
     #[arg(value_name = "FILE.prt")]
@@ -39,7 +40,8 @@ pub struct Import {
     /// What the channels of one sample stand for [default: plain numbers]
     #[arg(long, value_name = "RESPONSES")]
     pub responses: Option<ResponseBasis>,
-    /// What the coefficients stand for [default: spherical harmonics where their number is a square, plain numbers otherwise]
+    /// What the coefficients stand for [default: spherical harmonics where their number is a square, plain numbers
+    /// otherwise]
     #[arg(long, value_name = "BASIS")]
     pub basis: Option<LightBasis>,
 }
@@ -115,6 +117,8 @@ fn change_phase(model: &mut Model, basis: &LightBasis) {
 mod tests {
     use super::*;
     use prt_cpca::{Cluster, CpcaParams};
+    use prt_transfer::csr::Csr;
+    use prt_transfer::sh::Sh;
     use prt_transfer::transform::Identity;
     use prt_transfer::{Codec, Configure, Progress, Quiet, Shape, TransferMatrix};
 
@@ -143,7 +147,7 @@ mod tests {
     }
 
     fn known() -> Registry {
-        Registry::new().transform::<Identity>().transform::<prt_transfer::sh::Sh>().codec::<Samples>()
+        Registry::new().transform::<Identity>().transform::<Sh>().codec::<Samples>().codec::<Csr>()
     }
 
     fn encoded(label: &str, basis: LightBasis) -> Compressed {
@@ -192,7 +196,9 @@ mod tests {
     }
 
     #[test]
-    fn a_light_transform_is_no_part_of_the_format() {
+    fn a_light_transform_is_no_part_of_the_format_nor_is_another_codec() {
+        let told = to_d3dx(&encoded("csr", LightBasis::Cubemap { resolution: 2 })).unwrap_err().to_string();
+        assert!(told.contains("vq, pca or cpca") && told.contains("found csr"), "{told}");
         let told = to_d3dx(&encoded("sh:order=2+cpca", LightBasis::Cubemap { resolution: 2 })).unwrap_err().to_string();
         assert!(told.contains("without a light transform") && told.contains("sh:order=2+cpca"), "{told}");
     }
