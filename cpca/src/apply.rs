@@ -1,7 +1,7 @@
 //! Relighting in two stages (Sloan et al. 2003, §6): representatives meet the light, samples add up their cluster's.
 
 use crate::encoded::EncodedCpca;
-use crate::kernel::{self, Products};
+use crate::kernel::{self, Products, SPARE};
 use crate::layout::BLOCK;
 use crate::numbers::{Numbers, UNIT};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
@@ -46,8 +46,9 @@ pub(crate) fn flops(encoded: &EncodedCpca, light: &[f32]) -> Flops {
     tally.0
 }
 
-/// Stage 1: `R_j = X_j l` for the mean and the components of every cluster, those multiplied by the scale of their weights.
-fn project<'a, C: Count>(encoded: &'a EncodedCpca, lights: ArrayView2<f32>, count: &mut C) -> Result<Products<'a>> {
+/// Stage 1: `R_j = X_j l` for the mean and the components of every cluster, those multiplied by the scale of their
+/// weights.
+fn project<C: Count>(encoded: &EncodedCpca, lights: ArrayView2<f32>, count: &mut C) -> Result<Products> {
     let (numbers, layout) = (&encoded.representatives, &encoded.layout);
     let shape = Shape { samples: layout.vectors(), ..encoded.shape };
     let mut products = Array2::zeros((shape.rows(), lights.ncols()));
@@ -96,8 +97,8 @@ fn scale<C: Count>(encoded: &EncodedCpca, products: &mut [f32], width: usize, co
     }
 }
 
-/// Stage 2: `e_p = R_0 + Σ_j w_p^j R_j` for the samples from `first` on, a multiple of [`BLOCK`]; `out` is samples x responses x
-/// channels. `buffer` is scratch.
+/// Stage 2: `e_p = R_0 + Σ_j w_p^j R_j` for the samples from `first` on, a multiple of [`BLOCK`]; `out` is samples x
+/// responses x channels. `buffer` is scratch.
 fn combine<C: Count>(
     encoded: &EncodedCpca,
     products: &Products,
@@ -112,7 +113,7 @@ fn combine<C: Count>(
         let clusters = &mut clusters[..out.len() / products.width()];
         encoded.ids.fill(first + block * BLOCK, clusters);
         let end = at + products.weights_of(clusters);
-        let weights = encoded.weights.unpack(at..end, buffer);
+        let weights = encoded.weights.unpack(at..end, SPARE, buffer);
         kernel::combine(products, clusters, weights, out, count);
         at = end;
     }

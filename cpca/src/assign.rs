@@ -69,7 +69,6 @@ struct Pass<'a> {
 #[derive(Default)]
 struct Scratch {
     work: Workspace,
-    bounds: Vec<f32>,
     residual: Vec<f32>,
     candidates: Vec<Candidate>,
     starts: Vec<usize>,
@@ -85,17 +84,9 @@ pub(crate) fn first(
 ) -> Result<Assignment> {
     let bounds = Bounds::new(head, subspaces, &every(subspaces))?;
     // The nearest by its bound is as good a guess as any.
-    let guesses = (0..samples.count())
-        .collect::<Vec<_>>()
-        .par_chunks(BLOCK)
-        .map_init(Scratch::default, |scratch, block| {
-            let block: Vec<u32> = block.iter().map(|&s| s as u32).collect();
-            bounds.of(head, &block, &mut scratch.work, &mut scratch.bounds);
-            let rows = scratch.bounds.chunks_exact(bounds.order().len().max(1));
-            rows.map(|row| bounds.order()[least(row)]).collect::<Vec<u32>>()
-        })
-        .collect::<Vec<_>>()
-        .concat();
+    let all: Vec<u32> = (0..samples.count() as u32).collect();
+    let nearest = |work: &mut Workspace, block: &[u32]| bounds.nearest(head, block, work);
+    let guesses = all.par_chunks(BLOCK).map_init(Workspace::default, nearest).collect::<Vec<_>>().concat();
     let before = Assignment { errors: vec![0.0; guesses.len()], seconds: vec![0.0; guesses.len()], members: guesses };
     again(samples, head, subspaces, &vec![f32::INFINITY; subspaces.len()], &before, progress)
 }
@@ -167,9 +158,7 @@ pub(crate) fn nearest(
     let pass = Pass { samples, head, subspaces, residual: Residual::new() };
     let bounds = Bounds::new(head, subspaces, clusters)?;
     let found = of.par_chunks(BLOCK).map_init(Scratch::default, |scratch, block| {
-        bounds.of(head, block, &mut scratch.work, &mut scratch.bounds);
-        let rows = scratch.bounds.chunks_exact(clusters.len());
-        let guesses: Vec<u32> = rows.map(|row| bounds.order()[least(row)]).collect();
+        let guesses = bounds.nearest(head, block, &mut scratch.work);
         let known = block.iter().zip(guesses).map(|(&sample, cluster)| {
             let own = pass.distance(sample as usize, cluster, &mut scratch.residual);
             Known { sample, own, rest: f32::INFINITY }
@@ -189,10 +178,6 @@ fn threshold(drifts: &[f32]) -> f32 {
     let mut finite: Vec<f32> = drifts.iter().copied().filter(|d| d.is_finite()).collect();
     finite.sort_by(f32::total_cmp);
     if finite.is_empty() { 0.0 } else { finite[(finite.len() - 1) - finite.len() / 8] }
-}
-
-fn least(row: &[f32]) -> usize {
-    row.iter().enumerate().fold((0, f32::INFINITY), |best, (i, &b)| if b < best.1 { (i, b) } else { best }).0
 }
 
 impl Pass<'_> {
@@ -222,21 +207,16 @@ impl Pass<'_> {
 
     /// The nearest of a sample's own subspace and those of `bounds`.
     fn block(&self, bounds: &Bounds, known: &[Known], scratch: &mut Scratch) -> Vec<Found> {
-        let order = bounds.order();
         let samples: Vec<u32> = known.iter().map(|k| k.sample).collect();
-        bounds.of(self.head, &samples, &mut scratch.work, &mut scratch.bounds);
-        scratch.candidates.clear();
+        let limits: Vec<f32> = known.iter().map(|known| known.own.error + known.own.margin).collect();
         let mut seconds: Vec<f32> = known.iter().map(|known| known.rest).collect();
-        for (i, (row, known)) in scratch.bounds.chunks_exact(order.len()).zip(known).enumerate() {
-            let limit = known.own.error + known.own.margin;
-            for (&cluster, &bound) in order.iter().zip(row) {
-                if bound > limit {
-                    seconds[i] = seconds[i].min(bound);
-                } else if cluster != known.own.cluster {
-                    scratch.candidates.push(Candidate { sample: i as u32, cluster, error: 0.0, margin: 0.0 });
-                }
+        let (work, candidates) = (&mut scratch.work, &mut scratch.candidates);
+        candidates.clear();
+        bounds.scan(self.head, (&samples, &limits), &mut seconds, work, |i, cluster| {
+            if cluster != known[i].own.cluster {
+                candidates.push(Candidate { sample: i as u32, cluster, error: 0.0, margin: 0.0 });
             }
-        }
+        });
         self.measure(&samples, scratch);
         let own = known.iter().enumerate().map(|(i, known)| Candidate { sample: i as u32, ..known.own });
         scratch.sorted.extend(own);

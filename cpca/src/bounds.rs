@@ -27,6 +27,10 @@ pub(crate) struct Bounds {
     tails: Vec<f32>,
     leaks: Vec<f32>,
     steeps: Vec<f32>,
+    /// Slack of |μ_h|² + t_μ².
+    margins: Vec<f32>,
+    /// Whether anything lies outside the head.
+    tailed: bool,
 }
 
 /// Where a thread keeps its intermediate results.
@@ -35,6 +39,7 @@ pub(crate) struct Workspace {
     points: Vec<f32>,
     products: Vec<f32>,
     parts: Vec<f32>,
+    row: Vec<f32>,
 }
 
 /// ν² is at most this, so that 1 - ν² can be divided by.
@@ -70,7 +75,7 @@ impl Bounds {
             levels.push(shifts.len());
         }
         let rows = Array2::from_shape_vec((shifts.len(), h), rows).expect("a row for each shift");
-        Ok(Bounds {
+        let mut bounds = Bounds {
             order,
             rows,
             levels,
@@ -79,12 +84,12 @@ impl Bounds {
             tails: seen.iter().map(|(mean, ..)| mean.tail as f32).collect(),
             leaks: seen.iter().map(|(.., leak)| leak.sqrt() as f32).collect(),
             steeps: seen.iter().map(|(.., leak)| (1.0 / (1.0 - leak)) as f32).collect(),
-        })
-    }
-
-    /// The cluster at a position of the bounds.
-    pub(crate) fn order(&self) -> &[u32] {
-        &self.order
+            margins: Vec::new(),
+            tailed: !head.is_whole(),
+        };
+        let norms = bounds.squares.iter().zip(&bounds.tails);
+        bounds.margins = norms.map(|(square, tail)| bounds.slack() * (square + tail * tail)).collect();
+        Ok(bounds)
     }
 
     /// How much a bound may be above what it bounds, as a part of |x_h|² + t_x² + |μ_h|² + t_μ²: rounding of h products and of the tails.
@@ -93,36 +98,133 @@ impl Bounds {
         2.0 * strand * (1.0 + (self.levels.len() as f32 - 1.0).sqrt())
     }
 
-    /// Squared distances of the samples to all subspaces from below: samples x positions.
-    pub(crate) fn of(&self, head: &Head, samples: &[u32], work: &mut Workspace, out: &mut Vec<f32>) {
+    /// Subspaces that may lie no farther from each sample than its limit are handed to `found` with the sample's place among `samples`;
+    /// `seconds` falls to the least bound of the others.
+    pub(crate) fn scan(
+        &self,
+        head: &Head,
+        (samples, limits): (&[u32], &[f32]),
+        seconds: &mut [f32],
+        work: &mut Workspace,
+        mut found: impl FnMut(usize, u32),
+    ) {
+        let rows = self.multiply(head, samples, work);
+        for (i, (&sample, products)) in samples.iter().zip(rows.products).enumerate() {
+            let row = Row { bounds: self, head: (head.square(sample as usize), head.tail(sample as usize)), products };
+            let summary = rows.arch.dispatch(|| row.below(limits[i], rows.parts, rows.row));
+            seconds[i] = seconds[i].min(summary.second);
+            if summary.count > 0 {
+                let near = rows.row.iter().zip(&self.order).filter(|(bound, _)| **bound <= limits[i]);
+                near.for_each(|(_, &cluster)| found(i, cluster));
+            }
+        }
+    }
+
+    /// The subspace of least bound for each sample.
+    pub(crate) fn nearest(&self, head: &Head, samples: &[u32], work: &mut Workspace) -> Vec<u32> {
+        let rows = self.multiply(head, samples, work);
+        let nearest = samples.iter().zip(rows.products).map(|(&sample, products)| {
+            let row = Row { bounds: self, head: (head.square(sample as usize), head.tail(sample as usize)), products };
+            rows.arch.dispatch(|| row.below(f32::NEG_INFINITY, rows.parts, rows.row));
+            let least = rows
+                .row
+                .iter()
+                .enumerate()
+                .fold((0, f32::INFINITY), |best, (i, &b)| if b < best.1 { (i, b) } else { best });
+            self.order[least.0]
+        });
+        nearest.collect()
+    }
+
+    /// Products of the samples' heads with everything.
+    fn multiply<'a>(&self, head: &Head, samples: &[u32], work: &'a mut Workspace) -> Rows<'a> {
         let (count, k, width) = (samples.len(), self.order.len(), self.rows.nrows());
-        work.products.resize(count * width, 0.0);
+        work.products.resize(work.products.len().max(count * width), 0.0);
         work.parts.resize(k, 0.0);
-        out.resize(count * k, 0.0);
+        work.row.resize(k, 0.0);
         work.points.clear();
         samples.iter().for_each(|&s| work.points.extend_from_slice(head.coordinates(s as usize)));
         let points = ArrayView2::from_shape((count, head.size()), &work.points).expect("rows of the head");
-        let products =
-            ArrayViewMut2::from_shape((count, width), &mut work.products[..count * width]).expect("as resized");
-        linalg::times_transposed(points, self.rows.view(), products);
-        let slack = self.slack();
-        pulp::Arch::new().dispatch(|| {
-            let rows = work.products.chunks_exact(width).zip(out.chunks_exact_mut(k));
-            for (&sample, (products, out)) in samples.iter().zip(rows) {
-                let sample = sample as usize;
-                self.explained(products, &mut work.parts);
-                self.bound(head.square(sample), head.tail(sample), products, &work.parts, slack, out);
+        let products = &mut work.products[..count * width];
+        let out = ArrayViewMut2::from_shape((count, width), &mut *products).expect("as resized");
+        linalg::times_transposed(points, self.rows.view(), out);
+        Rows {
+            products: products.chunks_exact(width),
+            parts: &mut work.parts,
+            row: &mut work.row,
+            arch: pulp::Arch::new(),
+        }
+    }
+}
+
+/// Products of samples, and where one of them is looked at.
+struct Rows<'a> {
+    products: std::slice::ChunksExact<'a, f32>,
+    parts: &'a mut [f32],
+    row: &'a mut [f32],
+    arch: pulp::Arch,
+}
+
+/// One sample.
+struct Row<'a> {
+    bounds: &'a Bounds,
+    /// |x_h|², t_x
+    head: (f32, f32),
+    products: &'a [f32],
+}
+
+/// What a row of bounds says.
+struct Summary {
+    /// The least of those above the limit.
+    second: f32,
+    /// How many are not above it.
+    count: u32,
+}
+
+impl Row<'_> {
+    /// Bounds of all subspaces into `out`.
+    #[inline(always)]
+    fn below(&self, limit: f32, parts: &mut [f32], out: &mut [f32]) -> Summary {
+        let b = self.bounds;
+        if b.levels.len() > 2 {
+            self.explained(parts);
+        }
+        match (b.levels.len() > 2, b.tailed) {
+            (false, false) => self.bound(out, |i| {
+                let _ = i;
+                0.0
+            }),
+            (true, false) => self.bound(out, |i| -parts[i]),
+            (false, true) => self.bound(out, |i| {
+                let rest = self.head.1 - b.tails[i];
+                rest * rest
+            }),
+            (true, true) => self.bound(out, |i| {
+                let a = parts[i].sqrt();
+                let (least, most) = ((self.head.1 - b.tails[i]).abs(), self.head.1 + b.tails[i]);
+                let rest = (b.leaks[i] * a * b.steeps[i]).max(least).min(most);
+                let along = a + b.leaks[i] * rest;
+                rest * rest - along * along
+            }),
+        }
+        let mut lanes = [(f32::INFINITY, 0u32); LANES];
+        for chunk in out.chunks(LANES) {
+            for (lane, &bound) in lanes.iter_mut().zip(chunk) {
+                lane.0 = if bound > limit && bound < lane.0 { bound } else { lane.0 };
+                lane.1 += u32::from(bound <= limit);
             }
-        });
+        }
+        let second = lanes.iter().fold(f32::INFINITY, |least, lane| least.min(lane.0));
+        Summary { second, count: lanes.iter().map(|lane| lane.1).sum() }
     }
 
     /// a² by position.
     #[inline(always)]
-    fn explained(&self, products: &[f32], parts: &mut [f32]) {
+    fn explained(&self, parts: &mut [f32]) {
         parts.fill(0.0);
-        for level in self.levels.windows(2).skip(1) {
+        for level in self.bounds.levels.windows(2).skip(1) {
             let range = level[0]..level[1];
-            let terms = products[range.clone()].iter().zip(&self.shifts[range]);
+            let terms = self.products[range.clone()].iter().zip(&self.bounds.shifts[range]);
             for (part, (product, shift)) in parts.iter_mut().zip(terms) {
                 let a = product - shift;
                 *part += a * a;
@@ -130,23 +232,21 @@ impl Bounds {
         }
     }
 
+    /// |x_h - μ_h|² with what is `beside` it, less what rounding may have added.
     #[inline(always)]
-    fn bound(&self, square: f32, tail: f32, products: &[f32], parts: &[f32], slack: f32, out: &mut [f32]) {
+    fn bound(&self, out: &mut [f32], beside: impl Fn(usize) -> f32) {
+        let (square, tail) = self.head;
         let k = out.len();
-        let (squares, tails) = (&self.squares[..k], &self.tails[..k]);
-        let (leaks, steeps, products, parts) = (&self.leaks[..k], &self.steeps[..k], &products[..k], &parts[..k]);
-        let own = square + tail * tail;
+        let (products, squares, margins) = (&self.products[..k], &self.bounds.squares[..k], &self.bounds.margins[..k]);
+        let own = square - self.bounds.slack() * (square + tail * tail);
         for i in 0..k {
-            let head = square - 2.0 * products[i] + squares[i];
-            let a = parts[i].sqrt();
-            let (least, most) = ((tail - tails[i]).abs(), tail + tails[i]);
-            let rest = (leaks[i] * a * steeps[i]).max(least).min(most);
-            let along = a + leaks[i] * rest;
-            let margin = slack * (own + squares[i] + tails[i] * tails[i]);
-            out[i] = head + rest * rest - along * along - margin;
+            out[i] = own - 2.0 * products[i] + (squares[i] - margins[i]) + beside(i);
         }
     }
 }
+
+/// Strands of a summary.
+const LANES: usize = 16;
 
 /// ν² of components with these heads: 1 less the least eigenvalue of V_hᵀ V_h.
 fn leak(vectors: &[Seen]) -> Result<f64> {

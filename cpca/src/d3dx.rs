@@ -1,12 +1,13 @@
 //! The compressed PRT buffer of D3DX (`.pca`), as `D3DXSavePRTCompBufferToFile` writes it.
 //!
-//! Eight little-endian `u32`: samples, coefficients, channels, texture width, texture height, whether samples are texels, clusters, components.
-//! Then in `f32` for each cluster its mean and its components, each of them channels x coefficients; then the weights of each sample; then,
-//! with several clusters, the cluster of each sample as `u32`. The documentation gives header and lengths; in which order numbers lie within
-//! a block follows from the buffers that programs get from it (`ID3DXPRTCompBuffer::ExtractBasis`).
+//! Eight little-endian `u32`: samples, coefficients, channels, texture width, texture height, whether samples are
+//! texels, clusters, components. Then in `f32` for each cluster its mean and its components, each of them channels x
+//! coefficients; then the weights of each sample; then, with several clusters, the cluster of each sample as `u32`. The
+//! documentation gives header and lengths; in which order numbers lie within a block follows from the buffers that
+//! programs get from it (`ID3DXPRTCompBuffer::ExtractBasis`).
 //!
-//! A channel is a colour of diffuse transfer: one of our responses, each with a row of its own. A coefficient is one of our lights. Every
-//! cluster has as many components there: those with fewer are filled up with zeros.
+//! A channel is a colour of diffuse transfer: one of our responses, each with a row of its own. A coefficient is one of
+//! our lights. Every cluster has as many components there: those with fewer are filled up with zeros.
 
 use crate::model::{Cluster, Model};
 use prt_transfer::{Error, Result, Shape};
@@ -17,7 +18,8 @@ const HEADER: usize = 8;
 /// Bytes of a compressed PRT buffer, per vertex rather than per texel.
 ///
 /// # Errors
-/// A model that [`Model::check`] refuses, one without samples or lights, responses other than 1 or 3, or sizes beyond 32 bits.
+/// A model that [`Model::check`] refuses, one without samples or lights, responses other than 1 or 3, or sizes beyond
+/// 32 bits.
 pub fn to_d3dx(model: &Model) -> Result<Vec<u8>> {
     model.check()?;
     let Shape { samples, responses, lights } = model.shape;
@@ -109,8 +111,8 @@ pub fn from_d3dx(bytes: &[u8]) -> Result<Model> {
     Ok(model)
 }
 
-/// Between the spherical harmonics of this workspace and those of D3DX, in place and in both directions: D3DX's have the Condon-Shortley phase, so that
-/// coefficient l(l+1)+m changes its sign where m is odd.
+/// Between the spherical harmonics of this workspace and those of D3DX, in place and in both directions: D3DX's have
+/// the Condon-Shortley phase, so that coefficient l(l+1)+m changes its sign where m is odd.
 pub fn change_phase(model: &mut Model) {
     let lights = model.shape.lights;
     let vectors = model.clusters.iter_mut().flat_map(|c| [&mut c.mean, &mut c.components]);
@@ -243,7 +245,9 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(1000))]
 
         #[test]
-        fn damaged_bytes_are_refused_or_a_model(at in any::<prop::sample::Index>(), byte in 1u8.., length in any::<prop::sample::Index>()) {
+        fn damaged_bytes_are_refused_or_a_model(
+            at in any::<prop::sample::Index>(), byte in 1u8.., length in any::<prop::sample::Index>(),
+        ) {
             let bytes = to_d3dx(&model([5, 1, 4], &[2, 1])).unwrap();
             prop_assert!(from_d3dx(&bytes[..length.index(bytes.len())]).is_err());
             let (mut damaged, at) = (bytes.clone(), at.index(bytes.len()));

@@ -9,24 +9,24 @@ use crate::{apply, wire};
 use ndarray::{ArrayView2, ArrayViewMut2};
 use prt_transfer::{Encoded, Flops, Restore, Result, Shape, Sink, Source};
 
-/// What `vq`, `pca` and `cpca` make of a matrix: `x_p ≈ x_0 + Σ_j w_p^j x_j` with the mean x_0 and the n'_k components x_j of the
-/// cluster of sample p (Sloan et al. 2003, §3.3).
+/// What `vq`, `pca` and `cpca` make of a matrix: `x_p ≈ x_0 + Σ_j w_p^j x_j` with the mean x_0 and the n'_k components
+/// x_j of the cluster of sample p (Sloan et al. 2003, §3.3).
 ///
-/// Relighting follows the paper's §6. First the light meets the representatives, `R_j = X_j l`, then each sample adds up those of its
-/// cluster, `e_p = R_0 + Σ_j w_p^j R_j`. With n = responses x lights that takes
+/// Relighting follows the paper's §6. First the light meets the representatives, `R_j = X_j l`, then each sample adds
+/// up those of its cluster, `e_p = R_0 + Σ_j w_p^j R_j`. With n = responses x lights that takes
 ///
 /// ```text
 /// Σ_k (1 + n'_k) n + Σ_p n'_c(p) responses      multiplications and additions
 /// ```
 ///
-/// Numbers of 16 bits have a scale for each representative, and for the weights of each component within its cluster. Scales are
-/// applied to R: so many multiplications more as R has numbers (`Σ_k (1 + n'_k) responses` with scaled representatives, `Σ_k n'_k
-/// responses` with scaled weights only), and `Σ_k n'_k` for the products of two scales where both are scaled. The second stage costs the same
-/// for every width.
+/// Numbers of 16 bits have a scale for each representative, and for the weights of each component within its cluster.
+/// Scales are applied to R: so many multiplications more as R has numbers (`Σ_k (1 + n'_k) responses` with scaled
+/// representatives, `Σ_k n'_k responses` with scaled weights only), and `Σ_k n'_k` for the products of two scales where
+/// both are scaled. The second stage costs the same for every width.
 ///
-/// A number comes back exactly from f32. From i16 it is off by no more than half the scale of its vector, which is at most 1 + 2^-8 times
-/// the 32767th part of the vector's largest magnitude; from f16 by 2^-11 of itself, or 2^-39 of that largest magnitude if this is more. Where
-/// rounding to nearest would leave the range of f32, it goes towards 0.
+/// A number comes back exactly from f32. From i16 it is off by no more than half the scale of its vector, which is at
+/// most 1 + 2^-8 times the 32767th part of the vector's largest magnitude; from f16 by 2^-11 of itself, or 2^-39 of
+/// that largest magnitude if this is more. Where rounding to nearest would leave the range of f32, it goes towards 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EncodedCpca {
     pub(crate) shape: Shape,

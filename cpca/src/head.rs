@@ -97,6 +97,11 @@ impl Head {
         (samples, Head { origin, axes: None, tails, ..self })
     }
 
+    /// Whether there are no tails.
+    pub(crate) fn is_whole(&self) -> bool {
+        self.axes.is_none()
+    }
+
     pub(crate) fn size(&self) -> usize {
         self.size
     }

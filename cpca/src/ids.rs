@@ -5,7 +5,8 @@ use prt_transfer::{Result, Sink, Source};
 
 const SECTION: &str = "index/members";
 
-/// Cluster ids of ⌈log2 clusters⌉ bits each, the first in the lowest bits of the first byte; nothing where there is one cluster.
+/// Cluster ids of ⌈log2 clusters⌉ bits each, the first in the lowest bits of the first byte; nothing where there is one
+/// cluster.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Ids {
     bits: u32,
@@ -39,19 +40,25 @@ impl Ids {
     }
 
     /// The id of a sample.
+    #[inline]
     pub(crate) fn at(&self, sample: usize) -> u32 {
         let bit = sample * self.bits as usize;
+        let rest = self.packed.get(bit / 8..).unwrap_or_default();
         // An id reaches over at most five bytes.
-        let word = match self.packed.get(bit / 8..).unwrap_or_default() {
-            [a, b, c, d, e, f, g, h, ..] => u64::from_le_bytes([*a, *b, *c, *d, *e, *f, *g, *h]),
-            last => last.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte)),
+        let word = match rest.first_chunk() {
+            Some(eight) => u64::from_le_bytes(*eight),
+            None => rest.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte)),
         };
         (word >> (bit % 8) & ((1 << self.bits) - 1)) as u32
     }
 
     /// The ids of the samples from `first` on.
     pub(crate) fn fill(&self, first: usize, ids: &mut [u32]) {
-        ids.iter_mut().enumerate().for_each(|(i, id)| *id = self.at(first + i));
+        match self.bits {
+            0 => ids.fill(0),
+            8 => ids.iter_mut().zip(&self.packed[first..]).for_each(|(id, &byte)| *id = byte.into()),
+            _ => ids.iter_mut().enumerate().for_each(|(i, id)| *id = self.at(first + i)),
+        }
     }
 
     pub(crate) fn write(&self, sink: &mut Sink) {
@@ -95,7 +102,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn ids_come_back_from_memory_and_from_a_section(bits in 1u32..=32, seed in prop::collection::vec(any::<u32>(), 1..70)) {
+        fn ids_come_back_from_memory_and_from_a_section(
+            bits in 1u32..=32, seed in prop::collection::vec(any::<u32>(), 1..70),
+        ) {
             let clusters = (1usize << bits) - bits as usize / 2;
             let ids: Vec<u32> = seed.iter().map(|s| (*s as usize % clusters) as u32).collect();
             let packed = Ids::pack(&ids, clusters);

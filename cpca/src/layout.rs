@@ -15,9 +15,10 @@ pub(crate) struct Layout {
     clusters: usize,
     /// n'_k, the components of each cluster; a single number where all have as many.
     components: Vec<u32>,
-    /// Representatives before each cluster, and all of them; derived, and empty where all clusters have as many components.
+    /// Representatives before each cluster; derived, and empty where all clusters have as many components.
     vectors: Vec<u64>,
-    /// Weights before each block of samples, the one behind the last included if it is empty; derived, and empty where all clusters have as many components.
+    /// Weights before each block of samples, the one behind the last included if it is empty; derived, and empty where
+    /// all clusters have as many components.
     weights: Vec<u64>,
 }
 
@@ -31,22 +32,28 @@ impl Layout {
 
     fn of_stored(clusters: usize, components: Vec<u32>, samples: usize, ids: &Ids) -> Layout {
         let mut layout = Layout { clusters, components, vectors: Vec::new(), weights: Vec::new() };
-        if layout.components.len() > 1 {
-            let sum =
-                |total: &mut u64, k: usize| Some(std::mem::replace(total, *total + layout.components(k) as u64 + 1));
-            layout.vectors = (0..clusters).scan(0, sum).collect();
-            let sum = |total: &mut u64, block: usize| {
+        if layout.even().is_none() {
+            let of_cluster = |k: usize| 1 + layout.components(k);
+            let of_block = |block: usize| {
                 let samples = block * BLOCK..samples.min((block + 1) * BLOCK);
-                let weights: usize = samples.map(|p| layout.components(ids.at(p) as usize)).sum();
-                Some(std::mem::replace(total, *total + weights as u64))
+                samples.map(|p| layout.components(ids.at(p) as usize)).sum()
             };
-            layout.weights = (0..=samples / BLOCK).scan(0, sum).collect();
+            (layout.vectors, layout.weights) =
+                (sums_before(clusters, of_cluster), sums_before(samples / BLOCK + 1, of_block));
         }
         layout
     }
 
     pub(crate) fn clusters(&self) -> usize {
         self.clusters
+    }
+
+    /// The number of components of all clusters, where they have as many.
+    pub(crate) fn even(&self) -> Option<usize> {
+        match self.components[..] {
+            [all] => Some(all as usize),
+            _ => None,
+        }
     }
 
     /// n'_k.
@@ -118,4 +125,14 @@ impl Layout {
         // Samples x numbers of a sample fit memory, as the shape says: so do sums of components over samples.
         Ok(Layout::of_stored(clusters, components, shape.samples, ids))
     }
+}
+
+/// For each of `count` terms the sum of those before it.
+fn sums_before(count: usize, term: impl Fn(usize) -> usize) -> Vec<u64> {
+    let (mut sums, mut sum) = (Vec::with_capacity(count), 0);
+    for i in 0..count {
+        sums.push(sum);
+        sum += term(i) as u64;
+    }
+    sums
 }

@@ -5,21 +5,23 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 use prt_transfer::sections::broken;
 use prt_transfer::{Result, Sink, Source};
+use std::ops::Range;
 
-/// What 16-bit numbers are multiplied by before a sum, and their scales divided by: terms stay below 2, so that no light overflows
-/// that does not with the decoded numbers, and neither does a scale.
+/// What 16-bit numbers are multiplied by before a sum, and their scales divided by: terms stay below 2, so that no
+/// light overflows that does not with the decoded numbers, and neither does a scale.
 pub(crate) const UNIT: f32 = 1.0 / 16_384.0;
 
-/// Numbers in vectors, each with a scale: a number is what is stored times the scale of its vector, in `f32` and exactly.
+/// Numbers in vectors, each with a scale: a number is what is stored times the scale of its vector, in `f32` and
+/// exactly.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Numbers {
     /// Themselves.
     F32(Vec<f32>),
-    /// A scale is a power of two that brings the largest magnitude to [2^14, 2^15): |error| ≤ 2^-11 of the number down to 2^-28 of
-    /// that power, 2^-39 of the largest below.
+    /// A scale is a power of two that brings the largest magnitude to [2^14, 2^15): |error| ≤ 2^-11 of the number down
+    /// to 2^-28 of that power, 2^-39 of the largest below.
     F16 { halves: Vec<f16>, scales: Vec<f32> },
-    /// A scale has nine significant bits, so that its multiples are exact, and is at most 1 + 2^-8 times the 32767th part of
-    /// the largest magnitude: |error| ≤ scale / 2. It is 0 where all numbers are.
+    /// A scale has nine significant bits, so that its multiples are exact, and is at most 1 + 2^-8 times the 32767th
+    /// part of the largest magnitude: |error| ≤ scale / 2. It is 0 where all numbers are.
     I16 { codes: Vec<i16>, scales: Vec<f32> },
 }
 
@@ -92,10 +94,15 @@ impl Numbers {
         self.scales().map_or(1.0, |scales| scales[vector])
     }
 
-    /// What is stored in a range, unpacked into `buffer` unless it is `f32` already.
-    pub(crate) fn unpack<'a>(&'a self, range: std::ops::Range<usize>, buffer: &'a mut Vec<f32>) -> &'a [f32] {
+    /// What is stored in a range and `spare` finite numbers more, unpacked into `buffer` unless it is `f32` already.
+    pub(crate) fn unpack<'a>(&'a self, range: Range<usize>, spare: usize, buffer: &'a mut Vec<f32>) -> &'a [f32] {
+        let (count, longer) = (range.len() + spare, range.start..range.end + spare);
         match self {
-            Numbers::F32(values) => return &values[range],
+            Numbers::F32(values) if longer.end <= values.len() => return &values[longer],
+            Numbers::F32(values) => {
+                buffer.clear();
+                buffer.extend(&values[range]);
+            }
             Numbers::F16 { halves, .. } => {
                 buffer.resize(range.len(), 0.0);
                 halves[range].convert_to_f32_slice(buffer);
@@ -105,6 +112,7 @@ impl Numbers {
                 buffer.extend(codes[range].iter().map(|&code| f32::from(code)));
             }
         }
+        buffer.resize(count, 0.0);
         buffer
     }
 
@@ -150,7 +158,7 @@ impl Numbers {
         };
         let scales = numbers.scales().unwrap_or_default();
         // Divided by the unit a scale must still be finite.
-        if let Some(at) = scales.iter().position(|&scale| scale < 0.0 || scale > f32::MAX * UNIT) {
+        if let Some(at) = scales.iter().position(|scale| !(0.0..=f32::MAX * UNIT).contains(scale)) {
             let expected = format!("from 0 to {:e}", f32::MAX * UNIT);
             return Err(broken(from.scales, expected, format!("{:e} at position {at}", scales[at])));
         }
@@ -236,7 +244,10 @@ mod tests {
                     let whole = if largest > 0.99 * f32::MAX { 2.0 } else { 1.0 };
                     let bound = match width {
                         Width::F32 => 0.0,
-                        Width::F16 => (f64::from(v.abs()) * 2f64.powi(-11)).max(f64::from(largest) * 2f64.powi(-39)) * whole,
+                        Width::F16 => {
+                            let of_largest = f64::from(largest) * 2f64.powi(-39);
+                            (f64::from(v.abs()) * 2f64.powi(-11)).max(of_largest) * whole
+                        }
                         Width::I16 => scale / 2.0 * whole,
                     };
                     let error = (f64::from(v) - f64::from(d)).abs();
@@ -248,7 +259,8 @@ mod tests {
                 let mut sink = Sink::new();
                 numbers.write(&mut sink, SECTIONS);
                 let mut source = Source::new(sink.into_sections()).unwrap();
-                let read = Numbers::read(&mut source, SECTIONS, width, [values.len(), 1], std::iter::repeat_n(0, values.len()));
+                let count = [values.len(), 1];
+                let read = Numbers::read(&mut source, SECTIONS, width, count, std::iter::repeat(0));
                 prop_assert_eq!(read.unwrap(), numbers);
             }
         }

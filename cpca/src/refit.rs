@@ -19,12 +19,17 @@ const SPARE: usize = 4;
 /// The mean of samples, in double precision.
 pub(crate) fn mean(samples: &Samples, group: &[u32]) -> Vec<f64> {
     let mut sum = vec![0f64; samples.dimension()];
-    for &sample in group {
-        sum.iter_mut().zip(samples.row(sample as usize)).for_each(|(s, x)| *s += f64::from(*x));
-    }
+    pulp::Arch::new().dispatch(|| add_rows(samples, group, &mut sum));
     let count = group.len().max(1) as f64;
     sum.iter_mut().for_each(|s| *s /= count);
     sum
+}
+
+#[inline(always)]
+fn add_rows(samples: &Samples, group: &[u32], sum: &mut [f64]) {
+    for &sample in group {
+        sum.iter_mut().zip(samples.row(sample as usize)).for_each(|(s, x)| *s += f64::from(*x));
+    }
 }
 
 /// Subspaces of `components` each around the means of their members. A cluster whose members are those of `before`, with as

@@ -104,11 +104,35 @@ fn products<S: Simd, const V: usize>(simd: S, r: &[f32], vectors: &[f32]) -> [f3
 
 /// `|r - Σ_j (r · v_j) v_j|²` with r = x - mean, residual by residual in double precision: no cancellation.
 pub(crate) fn explicit(x: &[f32], mean: &[f32], vectors: &[f32]) -> f64 {
+    Arch::new().dispatch(|| deflated(x, mean, vectors))
+}
+
+#[inline(always)]
+fn deflated(x: &[f32], mean: &[f32], vectors: &[f32]) -> f64 {
     let n = x.len();
-    let mut r: Vec<f64> = x.iter().zip(mean).map(|(x, m)| f64::from(*x) - f64::from(*m)).collect();
-    for vector in vectors.chunks_exact(n.max(1)) {
-        let a: f64 = r.iter().zip(vector).map(|(r, v)| r * f64::from(*v)).sum();
-        r.iter_mut().zip(vector).for_each(|(r, v)| *r -= a * f64::from(*v));
+    let mut r = vec![0f64; n];
+    for ((r, x), m) in r.iter_mut().zip(x).zip(mean) {
+        *r = f64::from(*x) - f64::from(*m);
     }
-    r.iter().map(|r| r * r).sum()
+    for vector in vectors.chunks_exact(n.max(1)) {
+        let a = summed(&r, |i| r[i] * f64::from(vector[i]));
+        for (r, v) in r.iter_mut().zip(vector) {
+            *r -= a * f64::from(*v);
+        }
+    }
+    summed(&r, |i| r[i] * r[i])
+}
+
+/// The sum of a term for each place in `of`, in strands that become vectors.
+#[inline(always)]
+fn summed(of: &[f64], term: impl Fn(usize) -> f64) -> f64 {
+    const STRANDS: usize = 8;
+    let mut sums = [0f64; STRANDS];
+    let whole = of.len() / STRANDS * STRANDS;
+    for first in (0..whole).step_by(STRANDS) {
+        for (strand, sum) in sums.iter_mut().enumerate() {
+            *sum += term(first + strand);
+        }
+    }
+    sums.iter().sum::<f64>() + (whole..of.len()).map(term).sum::<f64>()
 }

@@ -289,7 +289,8 @@ proptest! {
     #[test]
     fn damaged_sections_are_refused_or_harmless(
         uneven in any::<bool>(), widths in [0usize..3, 0usize..3], section in any::<prop::sample::Index>(),
-        at in any::<prop::sample::Index>(), change in 0..6, byte in any::<u8>(), resized in [0usize..70, 1usize..4, 0usize..6],
+        at in any::<prop::sample::Index>(), change in 0..6, byte in any::<u8>(),
+        resized in [0usize..70, 1usize..4, 0usize..6],
     ) {
         let components: &[usize] = if uneven { &[2, 0, 3] } else { &[2, 2] };
         let model = model([67, 2, 3], components, 5);

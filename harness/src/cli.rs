@@ -1,6 +1,7 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
-use crate::{bench, coherence, decode, encode, info, list, precompute, relight, render, stability, tables, terminal};
+use crate::{bench, coherence, decode, encode, info, interchange, list, precompute};
+use crate::{relight, render, stability, tables, terminal};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -29,6 +30,10 @@ enum Command {
     Encode(encode::Encode),
     /// Reconstructs a transfer matrix
     Decode(decode::Decode),
+    /// Writes a compressed matrix in a format of others: .pca, the compressed PRT buffer of D3DX
+    Export(interchange::Export),
+    /// Reads a compressed matrix from a format of others: .pca, the compressed PRT buffer of D3DX
+    Import(interchange::Import),
     /// Relights a compressed matrix
     Relight(relight::Relight),
     /// Rearranges clusters so that fewer triangles straddle them
@@ -68,6 +73,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Precompute(arguments) => precompute::run(arguments),
         Command::Encode(arguments) => encode::run(arguments),
         Command::Decode(arguments) => decode::run(arguments),
+        Command::Export(arguments) => interchange::export(arguments),
+        Command::Import(arguments) => interchange::import(arguments),
         Command::Relight(arguments) => relight::run(arguments),
         Command::Coherence(arguments) => coherence::run(arguments),
         Command::Render(arguments) => render::run(arguments),

@@ -71,6 +71,11 @@ pub fn write_array(path: &Path, array: ArrayView2<f32>) -> Result<()> {
     npy::write_array(path, array)
 }
 
+/// Reads all of a file whose format someone else knows.
+pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|cause| Error::Io { action: "read", path: path.into(), cause })
+}
+
 /// Writes a file beside the old one and renames it, so that an interrupted run leaves the old file.
 pub fn write_beside(path: &Path, bytes: &[u8]) -> Result<()> {
     atomic::write(path, |file| file.write_all(bytes))

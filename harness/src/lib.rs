@@ -19,6 +19,7 @@ pub mod files;
 pub mod fingerprint;
 pub mod frontier;
 pub mod info;
+pub mod interchange;
 pub mod labels;
 pub mod list;
 pub mod machine;

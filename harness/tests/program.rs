@@ -136,6 +136,8 @@ fn every_command_helps_with_an_example() {
         "precompute",
         "encode",
         "decode",
+        "export",
+        "import",
         "relight",
         "coherence",
         "render",

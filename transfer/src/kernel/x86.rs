@@ -259,12 +259,20 @@ pub(super) unsafe fn dense<const R: usize, const C: usize, V: Stored>(
             }
         }
     }
-    let mut products = sums.map(|row| row.map(|sum| total(sum)));
+    // Loops: a closure would not be inlined, and its vectors would go through memory.
+    let mut products = [[0f32; C]; R];
+    for (products, sums) in products.iter_mut().zip(&sums) {
+        for (y, &sum) in products.iter_mut().zip(sums) {
+            *y = total(sum);
+        }
+    }
     for k in whole..lights {
         for (r, products) in products.iter_mut().enumerate() {
             // SAFETY: k < lights.
             let v = unsafe { values.at(r * lights + k) };
-            products.iter_mut().enumerate().for_each(|(c, y)| *y += v * x[c * lights + k]);
+            for (c, y) in products.iter_mut().enumerate() {
+                *y += v * x[c * lights + k];
+            }
         }
     }
     products
