@@ -48,16 +48,17 @@ const MOST_LEAK: f64 = 1.0 - 1e-6;
 impl Bounds {
     /// Of some clusters, by their numbers.
     pub(crate) fn new(head: &Head, subspaces: &Subspaces, clusters: &[u32]) -> Result<Bounds> {
-        let (k, n, h) = (clusters.len(), subspaces.dimension().max(1), head.size());
+        let (k, h) = (clusters.len(), head.size());
         let mut order = clusters.to_vec();
         order.sort_by_key(|&c| std::cmp::Reverse(subspaces.components(c as usize)));
         let seen: Vec<(Seen, Vec<Seen>, f64)> = order
             .par_iter()
             .map(|&cluster| {
                 let subspace = subspaces.of(cluster as usize);
-                let vectors: Vec<Seen> = subspace.components.chunks(n).map(|v| head.direction(v)).collect();
+                let mut vectors = head.see(&subspace.mean, &subspace.components);
+                let mean = vectors.remove(0);
                 let leak = leak(&vectors)?;
-                Ok((head.point(&subspace.mean), vectors, leak))
+                Ok((mean, vectors, leak))
             })
             .collect::<Result<_>>()?;
         let mut levels = vec![0, k];

@@ -5,7 +5,7 @@
 
 use crate::random::Random;
 use crate::samples::Samples;
-use ndarray::{Array2, ArrayView2, ArrayViewMut2, s};
+use ndarray::{Array2, ArrayView1, ArrayView2, ArrayViewMut2, s};
 use prt_transfer::Result;
 use prt_transfer::linalg;
 use rayon::prelude::*;
@@ -119,30 +119,33 @@ impl Head {
         self.tails[sample]
     }
 
-    /// A point such as a mean.
-    pub(crate) fn point(&self, point: &[f32]) -> Seen {
-        self.direction(&point.iter().zip(&self.origin).map(|(x, o)| x - o).collect::<Vec<f32>>())
-    }
-
-    /// A difference of points.
-    pub(crate) fn direction(&self, direction: &[f32]) -> Seen {
-        let coordinates: Vec<f32> = match &self.axes {
-            None => direction.to_vec(),
-            Some(axes) => {
-                axes.outer_iter().map(|axis| dot(axis.as_slice().expect("rows are contiguous"), direction)).collect()
-            }
+    /// A point, and directions (rows of the samples' dimension).
+    pub(crate) fn see(&self, point: &[f32], directions: &[f32]) -> Vec<Seen> {
+        let n = point.len();
+        let mut rows: Vec<f32> = point.iter().zip(&self.origin).map(|(x, o)| x - o).collect();
+        rows.extend_from_slice(directions);
+        let rows = Array2::from_shape_vec((1 + directions.len() / n.max(1), n), rows).expect("whole rows");
+        let Some(axes) = &self.axes else {
+            return rows.outer_iter().map(|row| Seen { coordinates: row.to_vec(), tail: 0.0 }).collect();
         };
-        let rest = if self.axes.is_none() { 0.0 } else { (square(direction) - square(&coordinates)).max(0.0) };
-        Seen { coordinates, tail: rest.sqrt() }
+        let mut heads = Array2::zeros((rows.nrows(), self.size));
+        linalg::times_transposed(rows.view(), axes.view(), heads.view_mut());
+        let squared = |row: ArrayView1<f32>| square(row.as_slice().expect("rows are contiguous"));
+        let seen = rows.outer_iter().zip(heads.outer_iter()).map(|(row, head)| {
+            let tail = (squared(row) - squared(head)).max(0.0).sqrt();
+            Seen { coordinates: head.to_vec(), tail }
+        });
+        seen.collect()
     }
 }
 
 pub(crate) fn square(vector: &[f32]) -> f64 {
-    vector.iter().map(|v| f64::from(*v).powi(2)).sum()
-}
-
-fn dot(a: &[f32], b: &[f32]) -> f32 {
-    a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum::<f64>() as f32
+    // Strands that become vectors.
+    let mut sums = [0f64; 8];
+    let chunks = vector.chunks_exact(8);
+    let rest: f64 = chunks.remainder().iter().map(|v| f64::from(*v).powi(2)).sum();
+    chunks.for_each(|chunk| sums.iter_mut().zip(chunk).for_each(|(sum, v)| *sum += f64::from(*v).powi(2)));
+    rest + sums.iter().sum::<f64>()
 }
 
 /// The mean of all samples: sums of blocks in their order, whatever the threads.

@@ -20,10 +20,6 @@ impl Subspaces {
         Subspaces { dimension, subspaces }
     }
 
-    pub(crate) fn dimension(&self) -> usize {
-        self.dimension
-    }
-
     pub(crate) fn len(&self) -> usize {
         self.subspaces.len()
     }

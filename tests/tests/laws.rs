@@ -1,11 +1,12 @@
 //! Promises that every registered method keeps. A new method is in every one of these loops by being registered.
 
 use ndarray::Array2;
+use prt_cpca::EncodedCpca;
 use prt_harness::registry::registry;
 use prt_tests::*;
 use prt_transfer::io::prt;
 use prt_transfer::sections::Section;
-use prt_transfer::{Compressed, Label, Registry, TransferMatrix};
+use prt_transfer::{Compressed, Label, Registry, Restore, Source, TransferMatrix};
 use rand::RngExt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -183,6 +184,25 @@ fn flops_of_runs(matrix: &TransferMatrix) -> [u64; 2] {
     [products, products + 2 * runs + matrix.lights() as u64]
 }
 
+/// Multiplications and additions of clusters: representatives times light, then representatives times weights; a scale for each number of a
+/// representative's response where anything is scaled, and a product of two scales for each component where both are.
+fn flops_of_clusters(compressed: &Compressed) -> [u64; 2] {
+    let (shape, sections) = (compressed.shape(), compressed.sections());
+    let scaled = ["basis/scales", "weights/scales"].map(|name| sections.sizes().any(|(section, _)| section == name));
+    let mut source = Source::new(sections.into_sections()).unwrap();
+    let model = EncodedCpca::read(shape, &mut source).unwrap().model();
+    let components = || (0..model.clusters.len()).map(|cluster| model.components(cluster));
+    let (vectors, all): (usize, usize) = (components().map(|n| 1 + n).sum(), components().sum());
+    let products = vectors * model.dimension() + model.weights.len() * shape.responses;
+    let scales = match scaled {
+        [false, false] => 0,
+        [true, false] => vectors * shape.responses,
+        [false, true] => all * shape.responses,
+        [true, true] => vectors * shape.responses + all,
+    };
+    [(products + scales) as u64, products as u64]
+}
+
 #[test]
 fn flops_equal_the_closed_formula() {
     for_every_method(|_, label, case, compressed| {
@@ -210,6 +230,9 @@ fn flops_equal_the_closed_formula() {
             "runs" if !sections("index/run_") => stored,
             "runs" => {
                 return assert_eq!(flops_of_runs(&case.matrix), [flops.multiplications, flops.additions], "{label}");
+            }
+            "vq" | "pca" | "cpca" => {
+                return assert_eq!(flops_of_clusters(compressed), [flops.multiplications, flops.additions], "{label}");
             }
             other => panic!("state the closed formula of {other}"),
         };
