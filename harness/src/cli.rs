@@ -1,6 +1,6 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
-use crate::{bench, decode, encode, info, list, precompute, relight, render, stability, tables, terminal};
+use crate::{bench, decode, encode, figures, info, list, precompute, relight, render, stability, tables, terminal};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -37,6 +37,8 @@ enum Command {
     Info(info::InfoArguments),
     /// Measures the tables of a paper anew, beside what it prints
     Tables(tables::Tables),
+    /// Measures the figures of a paper anew, and draws them
+    Figures(figures::Figures),
     /// Finds where methods fail: sweeps over one parameter of a matrix, with charts
     Stability(stability::Stability),
     /// Lists the built-in scenes and lights, and the BRDFs with their parameters
@@ -70,6 +72,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Render(arguments) => render::run(arguments),
         Command::Info(arguments) => info::run(arguments),
         Command::Tables(arguments) => tables::run(arguments, threads),
+        Command::Figures(arguments) => figures::run(arguments, threads),
         Command::Stability(arguments) => stability::run(arguments, threads),
         Command::Scenes(arguments) => list::scenes(arguments),
         Command::Methods(arguments) => list::methods(arguments),
