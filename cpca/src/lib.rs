@@ -2,6 +2,8 @@
 
 pub mod model;
 mod params;
+mod random;
+pub mod solver;
 
 pub use model::{Cluster, Model};
 pub use params::{Allocation, Clusters, CpcaParams, Mode, Norm, PcaParams, Solver, Start, VqParams, Width};

@@ -7,6 +7,7 @@
 use crate::error::{Error, Result};
 use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
@@ -119,6 +120,19 @@ pub fn singular(matrix: ArrayView2<f64>) -> Result<Spectrum> {
     Ok(Spectrum { values, vectors: Array2::from_shape_fn((rank, n), |(i, j)| vectors[(j, i)]) })
 }
 
+/// Whether a symmetric matrix, of which the lower half is read, is positive definite: whether it has a Cholesky factor. What it
+/// holds is lost. An element that is not finite makes it none.
+///
+/// # Panics
+/// A matrix that is not square or not contiguous.
+pub fn is_positive_definite(mut matrix: ArrayViewMut2<f64>) -> bool {
+    let n = matrix.nrows();
+    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
+    let stack = MemStack::new(&mut memory);
+    let factor = cholesky_in_place(lent_mut(&mut matrix), Default::default(), Par::Seq, stack, Default::default());
+    factor.is_ok() && matrix.diag().iter().all(|pivot| *pivot > 0.0)
+}
+
 fn check_finite(matrix: &ArrayView2<f64>) -> Result<()> {
     match matrix.indexed_iter().find(|(_, v)| !v.is_finite()) {
         Some(((row, col), &value)) => Err(Error::NotFinite { row, col, value }),
@@ -180,6 +194,23 @@ mod tests {
             close(&v.dot(&v.t()), &Array2::eye(m.min(n)), 1e-12);
             close(&by_gram.vectors.dot(&by_gram.vectors.t()), &Array2::eye(n), 1e-12);
         }
+    }
+
+    #[test]
+    fn a_matrix_is_positive_definite_where_its_least_eigenvalue_is_above_zero() {
+        for n in [1, 2, 9, 70] {
+            let a = matrix(n + 3, n);
+            let gram = a.t().dot(&a);
+            let values = eigen(gram.view()).unwrap().values;
+            for (part, expected) in [(0.999_999, true), (1.000_001, false), (1e3, false)] {
+                let shift = values[n - 1] * part + 1e-13 * values[0] * f64::from(u8::from(!expected));
+                let mut shifted = &gram - shift * Array2::<f64>::eye(n);
+                assert_eq!(is_positive_definite(shifted.view_mut()), expected, "{n} {part}");
+            }
+        }
+        assert!(is_positive_definite(Array2::zeros((0, 0)).view_mut()));
+        assert!(!is_positive_definite(Array2::zeros((2, 2)).view_mut()));
+        assert!(!is_positive_definite(Array2::from_elem((2, 2), f64::NAN).view_mut()));
     }
 
     #[test]
