@@ -18,8 +18,10 @@ pub(super) struct Tick {
     pub(super) label: Option<String>,
 }
 
-/// Air between the outermost values and the ends, in decades.
+/// Air between the outermost values and the ends, in decades …
 const MARGIN: f64 = 0.15;
+/// … and as a part of their distance, so that a marker on a long axis has room too.
+const SHARE: f64 = 0.025;
 /// An axis is at least this long, in decades: a chart of near equals must not look like a landslide.
 const LEAST: f64 = 1.0;
 /// Up to so many decades there is room for labels at 2 and 5.
@@ -30,7 +32,8 @@ impl LogAxis {
     pub(super) fn new(values: impl Iterator<Item = f64>, from: f64, to: f64) -> LogAxis {
         let (low, high) = values.map(f64::log10).fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
         let (low, high) = if low > high { (0.0, 0.0) } else { (low, high) };
-        let air = MARGIN + ((LEAST - (high - low)) / 2.0 - MARGIN).max(0.0);
+        let span = high - low;
+        let air = MARGIN.max(SHARE * span).max((LEAST - span) / 2.0);
         LogAxis { low: low - air, high: high + air, from, to }
     }
 

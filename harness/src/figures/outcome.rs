@@ -120,16 +120,12 @@ pub fn csv(curves: &[Curve], outcomes: &[Outcome], machine: &Machine) -> anyhow:
 }
 
 /// Title, subject, a line for each outcome, and the reasons of those that failed.
-pub fn table(title: &str, subject: &Subject, curves: &[Curve], outcomes: &[Outcome]) -> String {
-    let titles = ["curve", "method", "numbers", "memory", "relight ms", "encode s", "error", "SE"];
-    let mut previous = None;
+pub fn table(title: &str, subject: &Subject, outcomes: &[Outcome]) -> String {
+    let titles = ["method", "numbers", "memory", "relight ms", "encode s", "error", "SE"];
     let lines = outcomes.iter().map(|o| {
-        // Once for a whole curve.
-        let name = if previous.replace(o.curve) == Some(o.curve) { "" } else { &curves[o.curve].name };
         let short = |figure: Option<f64>| figure.map_or_else(|| "-".into(), number::short);
         let error = if o.row.is_ok() { short(o.row.error) } else { "failed".into() };
         vec![
-            name.into(),
             o.row.method.clone(),
             (NUMBERS.of)(o).map_or_else(|| "-".into(), |n| number::count(n as u64)),
             o.row.resident_bytes.map_or_else(|| "-".into(), number::bytes),

@@ -66,7 +66,7 @@ fn every_setting_is_a_line_of_the_table_and_of_the_csv_and_what_is_measured_is_d
         }
         assert_eq!(svg.matches("<circle").count(), 4 * 3 + 1, "a marker for each setting and panel, one in the legend");
 
-        let text = outcome::table("t", &subject, &curves, &outcomes);
+        let text = outcome::table("t", &subject, &outcomes);
         assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
         assert!(text.lines().last().unwrap().starts_with("haar+visibility: "), "{text}");
         let csv = String::from_utf8(outcome::csv(&curves, &outcomes, &Machine::here(2)).unwrap()).unwrap();

@@ -26,7 +26,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let outcomes = stage.measure(&subject, &curves)?;
     let beside = matched::beside(&curves, &outcomes);
     Ok(Drawing {
-        text: [outcome::table(TITLE, &subject, &curves, &outcomes), matched::table(&beside)].join("\n"),
+        text: [outcome::table(TITLE, &subject, &outcomes), matched::table(&beside)].join("\n"),
         tables: vec![
             ("", outcome::csv(&curves, &outcomes, &stage.machine)?),
             ("-paper", matched::csv(&beside, &stage.machine)?),

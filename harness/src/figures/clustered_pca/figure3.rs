@@ -19,7 +19,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let curves = curves(stage.clusters(CLUSTERS, &BIRD, subject.samples()), components);
     let outcomes = stage.measure(&subject, &curves)?;
     Ok(Drawing {
-        text: outcome::table(TITLE, &subject, &curves, &outcomes),
+        text: outcome::table(TITLE, &subject, &outcomes),
         tables: vec![("", outcome::csv(&curves, &outcomes, &stage.machine)?)],
         chart: Some(chart(subject.title(), &curves, &outcomes)),
         measured: outcomes.iter().any(|o| o.row.is_ok()),

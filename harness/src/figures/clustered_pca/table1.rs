@@ -51,6 +51,7 @@ const HEAD: Mesh = Mesh { file: Some("bust_19k.ply"), built_in: "teapot", vertic
 const POLYGONS: Mesh = Mesh { file: None, built_in: "two-polygons", vertices: 58_624 };
 
 /// Subsurface scattering is not computed here, so that its line is one of reflection alone.
+#[expect(clippy::approx_constant, reason = "the paper prints an error of 3.14")]
 pub(super) static LINES: [Line; 7] = [
     Line {
         model: "Buddha",
