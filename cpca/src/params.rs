@@ -64,6 +64,16 @@ prt_transfer::choices! {
     }
 }
 
+impl Width {
+    /// Of one number.
+    pub fn bytes(self) -> usize {
+        match self {
+            Width::F32 => 4,
+            Width::F16 | Width::I16 => 2,
+        }
+    }
+}
+
 prt_transfer::choices! {
     /// In which coordinates error is measured while compressing.
     pub enum Norm {

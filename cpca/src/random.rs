@@ -25,8 +25,8 @@ impl Random {
         (self.next() >> 11) as f64 * (0.5 / (1u64 << 52) as f64)
     }
 
-    /// Mean 0, variance 1, bell-shaped up to 6: the sum of twelve uniform numbers. No logarithm or sine, whose last bit depends
-    /// on the machine.
+    /// Mean 0, variance 1, bell-shaped up to 6: the sum of twelve uniform numbers. No logarithm or sine, whose last bit
+    /// depends on the machine.
     pub(crate) fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }

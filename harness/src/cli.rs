@@ -1,6 +1,8 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
-use crate::{bench, decode, encode, figures, info, list, precompute, relight, render, stability, tables, terminal};
+use crate::{
+    bench, coherence, decode, encode, figures, info, list, precompute, relight, render, stability, tables, terminal,
+};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -31,6 +33,8 @@ enum Command {
     Decode(decode::Decode),
     /// Relights a compressed matrix
     Relight(relight::Relight),
+    /// Rearranges clusters so that fewer triangles straddle them
+    Coherence(coherence::Coherence),
     /// Draws a scene, relit from a matrix or traced
     Render(Box<render::Render>),
     /// Tells what a compressed matrix is and costs
@@ -69,6 +73,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Encode(arguments) => encode::run(arguments),
         Command::Decode(arguments) => decode::run(arguments),
         Command::Relight(arguments) => relight::run(arguments),
+        Command::Coherence(arguments) => coherence::run(arguments),
         Command::Render(arguments) => render::run(arguments),
         Command::Info(arguments) => info::run(arguments),
         Command::Tables(arguments) => tables::run(arguments, threads),

@@ -8,6 +8,7 @@ pub mod bench;
 pub mod cache;
 pub mod charts;
 pub mod cli;
+pub mod coherence;
 pub mod compare;
 pub mod compute;
 pub mod decode;

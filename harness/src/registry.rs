@@ -1,6 +1,7 @@
 //! The one place where the program learns of its methods.
 
 use prt_bicluster::Bicluster;
+use prt_cpca::{Cpca, Pca, Vq};
 use prt_transfer::compact::Compact;
 use prt_transfer::csr::Csr;
 use prt_transfer::dense::Dense;
@@ -26,6 +27,9 @@ pub fn registry() -> Registry {
         .codec::<F16>()
         .codec::<Truncate>()
         .codec::<Bicluster>()
+        .codec::<Vq>()
+        .codec::<Pca>()
+        .codec::<Cpca>()
 }
 
 /// The method that a label's text describes.

@@ -141,6 +141,7 @@ fn every_command_helps_with_an_example() {
         "encode",
         "decode",
         "relight",
+        "coherence",
         "render",
         "info",
         "tables",

@@ -44,6 +44,14 @@ pub fn times_transposed(a: ArrayView2<f32>, b: ArrayView2<f32>, mut out: ArrayVi
     matmul(lent_mut(&mut out), Accum::Replace, lent(&a), lent(&b).transpose(), 1.0, Par::Seq);
 }
 
+/// `out` (m x n) = `a` (m x k) · `b` (k x n) in single precision.
+///
+/// # Panics
+/// Sizes that do not agree, arrays that are not contiguous.
+pub fn times_single(a: ArrayView2<f32>, b: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
+    matmul(lent_mut(&mut out), Accum::Replace, lent(&a), lent(&b), 1.0, Par::Seq);
+}
+
 /// As [`times_transposed`] in double precision.
 ///
 /// # Panics
@@ -120,8 +128,8 @@ pub fn singular(matrix: ArrayView2<f64>) -> Result<Spectrum> {
     Ok(Spectrum { values, vectors: Array2::from_shape_fn((rank, n), |(i, j)| vectors[(j, i)]) })
 }
 
-/// Whether a symmetric matrix, of which the lower half is read, is positive definite: whether it has a Cholesky factor. What it
-/// holds is lost. An element that is not finite makes it none.
+/// Whether a symmetric matrix, of which the lower half is read, is positive definite: whether it has a Cholesky factor.
+/// What it holds is lost. An element that is not finite makes it none.
 ///
 /// # Panics
 /// A matrix that is not square or not contiguous.

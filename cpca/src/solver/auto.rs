@@ -1,22 +1,24 @@
 //! The cheapest solver that keeps the energy left over within 1e-6 of the optimum.
 //!
-//! Measured with k = 8 on one thread of a server processor, milliseconds; singular values that fall as i^-2 to i^-1/2:
+//! Measured by `cargo bench -p prt-benches --bench solvers` with k = 8 on one thread of a server processor,
+//! milliseconds; singular values that fall as i^-2 to i^-1/2. The upper figures of one size differ with where memory
+//! lies more than with the values:
 //!
 //! | m x n | gram | krylov | svd |
 //! | --- | --- | --- | --- |
 //! | 140 x 25 | 0.06 | 0.1 | 0.1 |
-//! | 140 x 155 | 1.5 | 1.0 to 7.9 | 2 to 7 |
-//! | 140 x 600 | 2 to 6 | 2 to 18 | 12 |
-//! | 300 x 300 | 20 | 5 to 13 | 24 to 34 |
-//! | 600 x 600 | 120 | 19 to 40 | 160 |
-//! | 2000 x 600 | 130 to 170 | 85 to 155 | 210 to 280 |
+//! | 140 x 155 | 1.5 | 1 to 12 | 2 to 7 |
+//! | 140 x 600 | 2 to 6 | 2 to 20 | 8 to 13 |
+//! | 300 x 300 | 17 to 24 | 5 to 13 | 21 to 34 |
+//! | 600 x 600 | 120 to 150 | 20 to 45 | 160 to 200 |
+//! | 2000 x 600 | 125 to 170 | 75 to 165 | 210 to 280 |
 
 use super::{Pairs, gram, krylov, svd};
 use ndarray::ArrayView2;
 use prt_transfer::Result;
 
-/// Smaller side, in columns for each vector of a block (k + 4), above which products with F are cheaper than its Gram matrix and
-/// all eigenpairs.
+/// Smaller side, in columns for each vector of a block (k + 4), above which products with F are cheaper than its Gram
+/// matrix and all eigenpairs.
 const COLUMNS: usize = 20;
 const BEYOND: usize = 4;
 /// Part of the optimum that may be lost.

@@ -38,8 +38,8 @@ impl Basis {
         self.rows.slice_move(s![..self.len, ..]).as_standard_layout().into_owned()
     }
 
-    /// Takes in what is outside of each row of `block` (b x n), unless its norm is at most `noise` or there is no room. Returns C
-    /// (b x len): block = C · rows, but for what was not taken in.
+    /// Takes in what is outside of each row of `block` (b x n), unless its norm is at most `noise` or there is no room.
+    /// Returns C (b x len): block = C · rows, but for what was not taken in.
     pub(super) fn extend(&mut self, mut block: Array2<f64>, noise: f64) -> Array2<f64> {
         let before = self.len;
         let mut coefficients = Array2::zeros((block.nrows(), self.rows.nrows()));

@@ -1,15 +1,18 @@
-//! Block Golub-Kahan bidiagonalisation with Rayleigh-Ritz and a residual test (Golub, Luk and Overton 1981; Musco and Musco 2015).
+//! Block Golub-Kahan bidiagonalisation with Rayleigh-Ritz and a residual test (Golub, Luk and Overton 1981; Musco and
+//! Musco 2015).
 //!
-//! Q (q x n) are orthonormal rows that span random vectors, the guess, and what FᵀF makes of them again and again; P (p x m)
-//! those that span Q Fᵀ. Both are kept orthogonal to working precision, and Q Fᵀ = C P with a small C (q x p), whose singular
-//! pairs are the best that the span of Q holds. FᵀF is never formed, so small singular values are as exact as large ones.
+//! Q (q x n) are orthonormal rows that span random vectors, the guess, and what FᵀF makes of them again and again; P (p
+//! x m) those that span Q Fᵀ. Both are kept orthogonal to working precision, and Q Fᵀ = C P with a small C (q x p),
+//! whose singular pairs are the best that the span of Q holds. FᵀF is never formed, so small singular values are as
+//! exact as large ones.
 //!
-//! **The stop.** Let s_i and v_i be those pairs, ρ_i = ‖FᵀF v_i − s_i² v_i‖ and t² the (k+1)-th square. Then s_i² is short of an
-//! eigenvalue by ρ_i at most, and by ρ_i²/(s_i² − t²) where the two are apart (Parlett 1980, §11.7). The sum of the smaller
-//! bounds is the excess of the energy that is left over; it has to be a small part of what is left over.
+//! **The stop.** Let s_i and v_i be those pairs, ρ_i = ‖FᵀF v_i − s_i² v_i‖ and t² the (k+1)-th square. Then s_i² is
+//! short of an eigenvalue by ρ_i at most, and by ρ_i²/(s_i² − t²) where the two are apart (Parlett 1980, §11.7). The
+//! sum of the smaller bounds is the excess of the energy that is left over; it has to be a small part of what is left
+//! over.
 //!
-//! **Starts.** The block holds more random vectors than components are wanted, guess or not: neither a guess orthogonal to the
-//! leading vectors nor a singular value that is repeated k times can hide them.
+//! **Starts.** The block holds more random vectors than components are wanted, guess or not: neither a guess orthogonal
+//! to the leading vectors nor a singular value that is repeated k times can hide them.
 
 use super::basis::{Basis, product};
 use super::{Pairs, norm, svd};
@@ -19,7 +22,8 @@ use prt_transfer::{Result, linalg};
 
 /// Random vectors beyond the components wanted.
 const BEYOND: usize = 4;
-/// Excess energy, of what is left over, at which the iteration ends. A hundredth of what is promised, since t is not exact.
+/// Excess energy, of what is left over, at which the iteration ends. A hundredth of what is promised, since t is not
+/// exact.
 const EXCESS: f64 = 1e-8;
 /// Blocks before a guess is believed, so that what is orthogonal to it has grown.
 const BELIEF: usize = 3;
@@ -87,8 +91,8 @@ impl<'a> Search<'a> {
         Ok(None)
     }
 
-    /// Takes the images of the block into P and what Fᵀ makes of those into Q. True where nothing was new: Q spans what FᵀF
-    /// maps into itself.
+    /// Takes the images of the block into P and what Fᵀ makes of those into Q. True where nothing was new: Q spans what
+    /// FᵀF maps into itself.
     fn advance(&mut self) -> bool {
         let noise = f64::EPSILON * self.energy.sqrt();
         let (q, p) = (self.right.len(), self.left.len());

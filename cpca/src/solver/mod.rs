@@ -1,7 +1,8 @@
 //! Leading principal components of centred rows: the first right singular vectors of F (m x n).
 //!
-//! All solvers answer the same question and differ in what they promise. With s₁ ≥ s₂ ≥ … the singular values of F, V (k x n)
-//! what is returned and ε = 2⁻⁵²: the energy left over, ‖F − F VᵀV‖², is at least Σ s_i² over i > k (Eckart and Young), and
+//! All solvers answer the same question and differ in what they promise. With s₁ ≥ s₂ ≥ … the singular values of F, V
+//! (k x n) what is returned and ε = 2⁻⁵²: the energy left over, ‖F − F VᵀV‖², is at least Σ s_i² over i > k (Eckart and
+//! Young), and
 //!
 //! | solver | excess over that optimum | a singular value is zero up to |
 //! | --- | --- | --- |
@@ -11,8 +12,8 @@
 //! | `auto` | 1e-6 of the optimum: `gram` where its bound is below, else `krylov` | s₁·max(m, n)·ε |
 //! | `power` | none: see [`Solver::Power`] | 4·s₁·max(m, n)·2⁻²³ |
 //!
-//! Pairs whose singular value counts as zero are left out: the exact smaller model. Rows are brought to the same scale by a power
-//! of two first, so that `F·2^j` has the same vectors to the bit.
+//! Pairs whose singular value counts as zero are left out: the exact smaller model. Rows are brought to the same scale
+//! by a power of two first, so that `F·2^j` has the same vectors to the bit.
 
 mod auto;
 mod basis;
@@ -37,10 +38,11 @@ use scale::Scale;
 pub struct Principal {
     /// Squares of singular values, descending.
     pub squares: Vec<f64>,
-    /// Unit vectors of n numbers, one a row; of each the element of largest magnitude is positive (the first of several).
+    /// Unit vectors of n numbers, one a row; of each the element of largest magnitude is positive (the first of
+    /// several).
     pub vectors: Array2<f64>,
-    /// The greatest ‖FᵀF·v − s²·v‖/s₁² of the pairs, measured on what is returned; 0 where there is none. A solver that stopped
-    /// early says so here.
+    /// The greatest ‖FᵀF·v − s²·v‖/s₁² of the pairs, measured on what is returned; 0 where there is none. A solver that
+    /// stopped early says so here.
     pub residual: f64,
     /// Multiplications by FᵀF, of one vector or of a block at once; 0 for a direct method.
     pub iterations: usize,
@@ -62,11 +64,12 @@ pub struct Principal {
 /// # Ok::<(), prt_transfer::Error>(())
 /// ```
 pub trait EigenSolver: Sync {
-    /// Leading `components` pairs of `rows` (m x n), fewer where the rank is smaller. `start` (j x n) spans a guess of the
-    /// vectors; it may save time, or be ignored.
+    /// Leading `components` pairs of `rows` (m x n), fewer where the rank is smaller. `start` (j x n) spans a guess of
+    /// the vectors; it may save time, or be ignored.
     ///
     /// # Errors
-    /// An element that is not finite; a start that has not n columns; squares beyond the range of `f64` (elements above 1e150).
+    /// An element that is not finite; a start that has not n columns; squares beyond the range of `f64` (elements above
+    /// 1e150).
     fn leading(&self, rows: ArrayView2<f64>, components: usize, start: Option<ArrayView2<f64>>) -> Result<Principal>;
 }
 

@@ -1,11 +1,13 @@
 //! Deflated power iteration in single precision: Miandji, Kronander and Unger 2011, Algorithm 1, as it has to read.
 //!
-//! Against the printed form: v is normalised before σ = ‖v − v̂‖ is taken; σ̂ starts at infinity; the branch on Gram matrices of
-//! rows is for M ≤ N; F is deflated by U_p V_pᵀ; the iterate of the least σ is kept. The scale κ = √(max|V| λ / max|U|), which
-//! shares out the range of numbers between U and V for storage, leaves the product U_p V_pᵀ as it is and is left out.
+//! Against the printed form: v is normalised before σ = ‖v − v̂‖ is taken; σ̂ starts at infinity; the branch on Gram
+//! matrices of rows is for M ≤ N; F is deflated by U_p V_pᵀ; the iterate of the least σ is kept. The scale κ = √(max|V|
+//! λ / max|U|), which shares out the range of numbers between U and V for storage, leaves the product U_p V_pᵀ as it is
+//! and is left out.
 //!
-//! What no correction mends: the stop "σ > σ̂" fires while a start still turns towards the leading vector, a start orthogonal to it
-//! finds the second, and FᵀF in single precision loses singular values below 1e-3 of the first. The block method cures all three.
+//! What no correction mends: the stop "σ > σ̂" fires while a start still turns towards the leading vector, a start
+//! orthogonal to it finds the second, and FᵀF in single precision loses singular values below 1e-3 of the first. The
+//! block method cures all three.
 
 use super::Pairs;
 use crate::random::Random;

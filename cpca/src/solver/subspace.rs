@@ -1,9 +1,10 @@
 //! Leading eigenpairs of a Gram matrix from a good guess, checked: the inner step of iterative clustering.
 //!
-//! Block Davidson without a preconditioner: a basis Q grows by the residuals of its best pairs (θ_i, v_i), i ≤ k, until they are
-//! small. The answer is proved, so that a guess may be as bad as it likes: with Θ = diag(θ) and τ < θ_k, where
-//! τI − (G − VᵀΘV) has a Cholesky factor no eigenvalue of G outside of the span of V exceeds τ, and the sum of the k leading
-//! ones is above Σ θ_i by ‖R‖²/(θ_k − τ) at most, R the residuals. Where the proof fails the direct method answers.
+//! Block Davidson without a preconditioner: a basis Q grows by the residuals of its best pairs (θ_i, v_i), i ≤ k, until
+//! they are small. The answer is proved, so that a guess may be as bad as it likes: with Θ = diag(θ) and τ < θ_k, where
+//! τI − (G − VᵀΘV) has a Cholesky factor no eigenvalue of G outside of the span of V exceeds τ, and the sum of the k
+//! leading ones is above Σ θ_i by ‖R‖²/(θ_k − τ) at most, R the residuals. Where the proof fails the direct method
+//! answers.
 
 use super::basis::{Basis, product};
 use super::scale::Scale;
@@ -12,14 +13,15 @@ use crate::random::Random;
 use ndarray::{Array2, ArrayView2, Axis, s};
 use prt_transfer::{Error, Result, linalg};
 
-/// Columns for each component from which iterating is faster. Measured, one thread of a server processor, milliseconds:
+/// Columns for each component from which iterating is faster. Measured by `cargo bench -p prt-benches --bench solvers`,
+/// one thread of a server processor, milliseconds:
 ///
 /// | n, k | decomposition | iteration, members moved by 0.1 % to 30 % |
 /// | --- | --- | --- |
 /// | 25, 2 | 0.04 | 0.02 to 0.03 |
 /// | 64, 4 | 0.24 | 0.11 to 0.27 |
 /// | 64, 8 | 0.24 | 0.15 to 0.90 |
-/// | 155, 8 | 1.7 | 0.38 to 1.4 |
+/// | 155, 8 | 1.7 | 0.38 to 1.4; 4 more where it gives up |
 const COLUMNS: usize = 12;
 /// Vectors beyond those wanted.
 const BEYOND: usize = 2;
@@ -29,11 +31,12 @@ const EXCESS: f64 = 1e-6;
 const STEPS: usize = 6;
 const SEED: u64 = 0x6772_616d;
 
-/// Leading `components` eigenpairs of a symmetric matrix G = FᵀF (n x n), fewer where the rank is smaller: squares of the singular
-/// values of F down to n·ε of the first, and its right singular vectors. `start` (j x n) spans a guess of them.
+/// Leading `components` eigenpairs of a symmetric matrix G = FᵀF (n x n), fewer where the rank is smaller: squares of
+/// the singular values of F down to n·ε of the first, and its right singular vectors. `start` (j x n) spans a guess of
+/// them.
 ///
-/// With a good guess and n of 12·k or more this is several times as fast as a decomposition. The energy that is left over, tr G − Σ s²,
-/// is then within 1e-6 of the optimum, and within n·ε·s₁² always.
+/// With a good guess and n of 12·k or more this is several times as fast as a decomposition. The energy that is left
+/// over, tr G − Σ s², is then within 1e-6 of the optimum, and within n·ε·s₁² always.
 ///
 /// # Errors
 /// A matrix that is not square or has an element that is not finite; a start that has not n columns.

@@ -1,8 +1,9 @@
 //! Products of dense rows: a matrix-vector product that reads the matrix once for up to four channels.
 
-use super::{Plain, Stored, by_channels};
+use super::{Half, Integer, Plain, Stored, by_channels};
 use crate::error::{Error, Result};
 use crate::matrix::{Shape, check_apply};
+use half::f16;
 use ndarray::{ArrayView2, ArrayViewMut2, Axis};
 use rayon::prelude::*;
 
@@ -15,6 +16,28 @@ const ROWS: usize = 4;
 /// `out` (rows x channels) = `values` (row-major, rows x lights) · `lights` (lights x channels), after checking sizes.
 pub fn apply(values: &[f32], shape: Shape, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {
     apply_stored(Plain(values), shape, lights, out)
+}
+
+/// [`apply`] to half-precision values times `scale`.
+pub fn apply_halves(
+    halves: &[f16],
+    scale: f32,
+    shape: Shape,
+    lights: ArrayView2<f32>,
+    out: ArrayViewMut2<f32>,
+) -> Result<()> {
+    apply_stored(Half { halves, scale }, shape, lights, out)
+}
+
+/// [`apply`] to integers times `scale`.
+pub fn apply_integers(
+    integers: &[i16],
+    scale: f32,
+    shape: Shape,
+    lights: ArrayView2<f32>,
+    out: ArrayViewMut2<f32>,
+) -> Result<()> {
+    apply_stored(Integer { codes: integers, scale }, shape, lights, out)
 }
 
 /// [`apply`] over stored values.

@@ -1,0 +1,282 @@
+//! Numbers as they are stored: single precision, or 16 bits and a scale for each vector of them.
+
+use crate::params::Width;
+use half::f16;
+use half::slice::HalfFloatSliceExt;
+use prt_transfer::sections::broken;
+use prt_transfer::{Result, Sink, Source};
+
+/// What 16-bit numbers are multiplied by before a sum, and their scales divided by: terms stay below 2, so that no light overflows
+/// that does not with the decoded numbers, and neither does a scale.
+pub(crate) const UNIT: f32 = 1.0 / 16_384.0;
+
+/// Numbers in vectors, each with a scale: a number is what is stored times the scale of its vector, in `f32` and exactly.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Numbers {
+    /// Themselves.
+    F32(Vec<f32>),
+    /// A scale is a power of two that brings the largest magnitude to [2^14, 2^15): |error| ≤ 2^-11 of the number down to 2^-28 of
+    /// that power, 2^-39 of the largest below.
+    F16 { halves: Vec<f16>, scales: Vec<f32> },
+    /// A scale has nine significant bits, so that its multiples are exact, and is at most 1 + 2^-8 times the 32767th part of
+    /// the largest magnitude: |error| ≤ scale / 2. It is 0 where all numbers are.
+    I16 { codes: Vec<i16>, scales: Vec<f32> },
+}
+
+/// Names of the sections of numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct Sections {
+    pub(crate) numbers: &'static str,
+    pub(crate) scales: &'static str,
+}
+
+impl Numbers {
+    /// Stores finite `values`; `vector_of` says for each of them which of `vectors` it belongs to.
+    pub(crate) fn store(
+        values: &[f32],
+        width: Width,
+        vectors: usize,
+        vector_of: impl Iterator<Item = usize> + Clone,
+    ) -> Numbers {
+        if width == Width::F32 {
+            return Numbers::F32(values.to_vec());
+        }
+        let mut largest = vec![0f32; vectors];
+        values.iter().zip(vector_of.clone()).for_each(|(v, vector)| largest[vector] = largest[vector].max(v.abs()));
+        let each = values.iter().zip(vector_of);
+        if width == Width::F16 {
+            let scales: Vec<f32> = largest.into_iter().map(scale_of_halves).collect();
+            Numbers::F16 { halves: each.map(|(&v, vector)| halve(v, scales[vector])).collect(), scales }
+        } else {
+            let scales: Vec<f32> = largest.into_iter().map(scale_of_codes).collect();
+            Numbers::I16 { codes: each.map(|(&v, vector)| code(v, scales[vector])).collect(), scales }
+        }
+    }
+
+    pub(crate) fn width(&self) -> Width {
+        match self {
+            Numbers::F32(_) => Width::F32,
+            Numbers::F16 { .. } => Width::F16,
+            Numbers::I16 { .. } => Width::I16,
+        }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Numbers::F32(values) => values.len(),
+            Numbers::F16 { halves, .. } => halves.len(),
+            Numbers::I16 { codes, .. } => codes.len(),
+        }
+    }
+
+    /// What is stored at `at`.
+    #[inline(always)]
+    pub(crate) fn stored(&self, at: usize) -> f32 {
+        match self {
+            Numbers::F32(values) => values[at],
+            Numbers::F16 { halves, .. } => halves[at].to_f32(),
+            Numbers::I16 { codes, .. } => codes[at].into(),
+        }
+    }
+
+    /// The scales of all vectors; `None` where numbers are stored as they are.
+    pub(crate) fn scales(&self) -> Option<&[f32]> {
+        match self {
+            Numbers::F32(_) => None,
+            Numbers::F16 { scales, .. } | Numbers::I16 { scales, .. } => Some(scales),
+        }
+    }
+
+    /// The scale of a vector.
+    pub(crate) fn scale(&self, vector: usize) -> f32 {
+        self.scales().map_or(1.0, |scales| scales[vector])
+    }
+
+    /// What is stored in a range, unpacked into `buffer` unless it is `f32` already.
+    pub(crate) fn unpack<'a>(&'a self, range: std::ops::Range<usize>, buffer: &'a mut Vec<f32>) -> &'a [f32] {
+        match self {
+            Numbers::F32(values) => return &values[range],
+            Numbers::F16 { halves, .. } => {
+                buffer.resize(range.len(), 0.0);
+                halves[range].convert_to_f32_slice(buffer);
+            }
+            Numbers::I16 { codes, .. } => {
+                buffer.clear();
+                buffer.extend(codes[range].iter().map(|&code| f32::from(code)));
+            }
+        }
+        buffer
+    }
+
+    /// All numbers as they are decoded.
+    pub(crate) fn decode(&self, vector_of: impl Iterator<Item = usize>) -> Vec<f32> {
+        match self {
+            Numbers::F32(values) => values.clone(),
+            _ => {
+                vector_of.take(self.len()).enumerate().map(|(i, vector)| self.stored(i) * self.scale(vector)).collect()
+            }
+        }
+    }
+
+    pub(crate) fn write(&self, sink: &mut Sink, to: Sections) {
+        match self {
+            Numbers::F32(values) => sink.put(to.numbers, values),
+            Numbers::F16 { halves, .. } => sink.put(to.numbers, halves),
+            Numbers::I16 { codes, .. } => sink.put(to.numbers, codes),
+        }
+        if let Some(scales) = self.scales() {
+            sink.put(to.scales, scales);
+        }
+    }
+
+    /// Reads `count` numbers of `vectors`, checked to decode to finite ones.
+    pub(crate) fn read(
+        source: &mut Source,
+        from: Sections,
+        width: Width,
+        [count, vectors]: [usize; 2],
+        vector_of: impl Iterator<Item = usize>,
+    ) -> Result<Numbers> {
+        let numbers = match width {
+            Width::F32 => return Ok(Numbers::F32(source.take_finite(from.numbers, count)?)),
+            Width::F16 => Numbers::F16 {
+                halves: source.take_exact(from.numbers, count)?,
+                scales: source.take_finite(from.scales, vectors)?,
+            },
+            Width::I16 => Numbers::I16 {
+                codes: source.take_exact(from.numbers, count)?,
+                scales: source.take_finite(from.scales, vectors)?,
+            },
+        };
+        let scales = numbers.scales().unwrap_or_default();
+        // Divided by the unit a scale must still be finite.
+        if let Some(at) = scales.iter().position(|&scale| scale < 0.0 || scale > f32::MAX * UNIT) {
+            let expected = format!("from 0 to {:e}", f32::MAX * UNIT);
+            return Err(broken(from.scales, expected, format!("{:e} at position {at}", scales[at])));
+        }
+        match vector_of.take(count).enumerate().find(|&(i, vector)| !(numbers.stored(i) * scales[vector]).is_finite()) {
+            Some((i, vector)) => {
+                let found = format!("{} times {:e} at position {i}", numbers.stored(i), scales[vector]);
+                Err(broken(from.numbers, "numbers that times their scale are finite", found))
+            }
+            None => Ok(numbers),
+        }
+    }
+}
+
+/// The exponent of the highest bit of a positive number: ⌊log2⌋.
+fn magnitude(value: f64) -> i32 {
+    // f64 holds every f32 and its parts as normal numbers.
+    ((value.to_bits() >> 52) & 0x7ff) as i32 - 1023
+}
+
+fn scale_of_halves(largest: f32) -> f32 {
+    // Below 2^-126 halves are finer than f32.
+    let exponent = if largest == 0.0 { 0 } else { (magnitude(largest.into()) - 14).max(-126) };
+    2f64.powi(exponent) as f32
+}
+
+fn halve(value: f32, scale: f32) -> f16 {
+    let half = f16::from_f32((f64::from(value) / f64::from(scale)) as f32);
+    // Only beside f32::MAX can rounding up leave f32's range.
+    if (half.to_f32() * scale).is_finite() { half } else { f16::from_bits(half.to_bits() - 1) }
+}
+
+fn scale_of_codes(largest: f32) -> f32 {
+    if largest == 0.0 {
+        return 0.0;
+    }
+    let scale = f64::from(largest) / f64::from(i16::MAX);
+    // Nine bits times the fifteen of a code are the 24 of an f32; nothing is below 2^-149.
+    let last_bit = 2f64.powi((magnitude(scale) - 8).max(-149));
+    ((scale / last_bit).ceil() * last_bit) as f32
+}
+
+fn code(value: f32, scale: f32) -> i16 {
+    if scale == 0.0 {
+        return 0;
+    }
+    let code = (f64::from(value) / f64::from(scale)).round() as i16;
+    // As in `halve`.
+    if (f32::from(code) * scale).is_finite() { code } else { code - code.signum() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SECTIONS: Sections = Sections { numbers: "weights/numbers", scales: "weights/scales" };
+
+    /// Finite numbers of every size, many of them near each other, some at the ends of `f32`.
+    fn vector() -> impl Strategy<Value = Vec<f32>> {
+        let any = (any::<bool>(), -149f64..=127.99).prop_map(|(n, e)| if n { -1.0 } else { 1.0 } * e.exp2() as f32);
+        let end = prop::sample::select(vec![0.0, f32::MAX, -f32::MAX, f32::MIN_POSITIVE, f32::from_bits(1), -0.0]);
+        let near =
+            (-149f64..=127.0).prop_flat_map(|e| prop::collection::vec(-e.exp2() as f32..=e.exp2() as f32, 0..40));
+        prop_oneof![prop::collection::vec(prop_oneof![any, end], 0..40), near]
+    }
+
+    fn stored(values: &[f32], width: Width) -> Numbers {
+        Numbers::store(values, width, 1, std::iter::repeat(0))
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        #[test]
+        fn errors_keep_their_bounds_and_what_is_decoded_is_finite_and_read_again(values in vector()) {
+            let largest = values.iter().fold(0f32, |m, v| m.max(v.abs()));
+            for width in [Width::F32, Width::F16, Width::I16] {
+                let numbers = stored(&values, width);
+                let scale = f64::from(numbers.scale(0));
+                for (&v, d) in values.iter().zip(numbers.decode(std::iter::repeat(0))) {
+                    prop_assert!(d.is_finite());
+                    // Beside f32::MAX numbers are rounded towards 0: a whole step.
+                    let whole = if largest > 0.99 * f32::MAX { 2.0 } else { 1.0 };
+                    let bound = match width {
+                        Width::F32 => 0.0,
+                        Width::F16 => (f64::from(v.abs()) * 2f64.powi(-11)).max(f64::from(largest) * 2f64.powi(-39)) * whole,
+                        Width::I16 => scale / 2.0 * whole,
+                    };
+                    let error = (f64::from(v) - f64::from(d)).abs();
+                    prop_assert!(error <= bound * (1.0 + 1e-9), "{width:?}: {v:e} {d:e} of {largest:e}");
+                }
+                if width == Width::I16 {
+                    prop_assert!(scale <= f64::from(largest) / 32767.0 * (1.0 + 2f64.powi(-8)) + 2f64.powi(-149));
+                }
+                let mut sink = Sink::new();
+                numbers.write(&mut sink, SECTIONS);
+                let mut source = Source::new(sink.into_sections()).unwrap();
+                let read = Numbers::read(&mut source, SECTIONS, width, [values.len(), 1], std::iter::repeat_n(0, values.len()));
+                prop_assert_eq!(read.unwrap(), numbers);
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_of_zero_and_of_one_size_come_back_exactly() {
+        for values in [vec![0.0; 5], vec![3.0, -3.0, 3.0], vec![f32::from_bits(1), f32::from_bits(7)]] {
+            for width in [Width::F16, Width::I16] {
+                let decoded = stored(&values, width).decode(std::iter::repeat(0));
+                let close = |(a, b): (&f32, &f32)| (a - b).abs() <= 1e-4 * a.abs();
+                assert!(decoded.iter().zip(&values).all(close), "{width:?}: {decoded:?} for {values:?}");
+                assert!(values[0] != 0.0 || decoded == values);
+            }
+        }
+    }
+
+    #[test]
+    fn products_that_overflow_are_refused() {
+        let read = |codes: &[i16], scale: f32| {
+            let mut sink = Sink::new();
+            sink.put(SECTIONS.numbers, codes);
+            sink.put(SECTIONS.scales, &[scale]);
+            let mut source = Source::new(sink.into_sections()).unwrap();
+            Numbers::read(&mut source, SECTIONS, Width::I16, [codes.len(), 1], std::iter::repeat_n(0, codes.len()))
+        };
+        assert!(read(&[1, -32768], 1e34).is_ok());
+        let refused = [read(&[1, 32767], 1.1e34), read(&[0], -1.0), read(&[0], f32::NAN), read(&[0], 3e34)];
+        assert!(refused.iter().all(Result::is_err));
+    }
+}

@@ -1,0 +1,129 @@
+//! The matrix as points: a vector of responses x lights numbers for each sample.
+
+use crate::params::Norm;
+use prt_transfer::{Metric, Result, TransferMatrix};
+use rayon::prelude::*;
+use std::borrow::Cow;
+
+/// Samples as vectors in the coordinates in which error is measured, scaled by a power of two to magnitudes around 1.
+pub(crate) struct Samples<'a> {
+    /// Row-major, count x dimension.
+    values: Cow<'a, [f32]>,
+    count: usize,
+    dimension: usize,
+    coordinates: Coordinates,
+}
+
+/// The way back to the matrix's own coordinates.
+struct Coordinates {
+    /// `None` where they are the matrix's own.
+    metric: Option<Metric>,
+    lights: usize,
+    /// Samples are 2^-exponent of what the matrix holds.
+    exponent: i32,
+}
+
+/// Magnitudes whose squares and sums of squares are neither lost nor infinite stay as they are.
+const HARMLESS: std::ops::RangeInclusive<i32> = -32..=32;
+
+impl<'a> Samples<'a> {
+    /// Every sample of `matrix`. Dense matrices whose numbers need no other coordinates are borrowed.
+    ///
+    /// # Errors
+    /// Responses that do not exist.
+    pub(crate) fn of(matrix: &'a TransferMatrix, norm: Norm) -> Result<Samples<'a>> {
+        let metric = norm.metric(matrix)?;
+        let (shape, exponent) = (matrix.shape(), exponent(matrix));
+        let dimension = shape.responses * shape.lights;
+        let coordinates = Coordinates { metric, lights: shape.lights, exponent };
+        let values = match matrix.as_dense() {
+            Some(values) if coordinates.metric.is_none() && exponent == 0 => Cow::Borrowed(values),
+            _ => Cow::Owned(coordinates.gathered(matrix, shape.samples, dimension)),
+        };
+        Ok(Samples { values, count: shape.samples, dimension, coordinates })
+    }
+
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    pub(crate) fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// The same, lent, with no way back to the matrix's coordinates.
+    pub(crate) fn lent(&self) -> Samples<'_> {
+        let coordinates = Coordinates { metric: None, lights: self.dimension, exponent: 0 };
+        let values = Cow::Borrowed(&self.values[..]);
+        Samples { values, count: self.count, dimension: self.dimension, coordinates }
+    }
+
+    /// Row-major, count x dimension.
+    pub(crate) fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    pub(crate) fn row(&self, sample: usize) -> &[f32] {
+        &self.values[sample * self.dimension..][..self.dimension]
+    }
+
+    /// A vector of these coordinates, in place, in the matrix's own.
+    pub(crate) fn restore(&self, vector: &mut [f64]) {
+        if let Some(metric) = &self.coordinates.metric {
+            metric.from_orthonormal(vector, self.coordinates.lights);
+        }
+    }
+
+    /// The power of two that samples are multiplied by in the matrix, as a product of two: each keeps numbers around 1 in range.
+    pub(crate) fn scales(&self) -> (f64, f64) {
+        let half = self.coordinates.exponent / 2;
+        (f64::from(half).exp2(), f64::from(self.coordinates.exponent - half).exp2())
+    }
+
+    /// As many samples in other coordinates of the same distances, with no way back.
+    pub(crate) fn with_values(&self, values: Vec<f32>, dimension: usize) -> Samples<'static> {
+        let coordinates = Coordinates { metric: None, lights: dimension, exponent: 0 };
+        Samples { values: Cow::Owned(values), count: self.count, dimension, coordinates }
+    }
+}
+
+impl Norm {
+    /// `None` where error is that of the matrix's elements.
+    pub(crate) fn metric(self, matrix: &TransferMatrix) -> Result<Option<Metric>> {
+        match self {
+            Norm::Coefficients => Ok(None),
+            Norm::Radiance => Ok(Some(Metric::of(matrix)?).filter(Metric::is_known)),
+        }
+    }
+}
+
+impl Coordinates {
+    fn gathered(&self, matrix: &TransferMatrix, samples: usize, dimension: usize) -> Vec<f32> {
+        let mut values = vec![0f32; samples * dimension];
+        let (responses, scale) = (matrix.shape().responses, f64::from(-self.exponent).exp2());
+        values.par_chunks_mut(dimension.max(1)).enumerate().for_each_init(Vec::new, |wide, (sample, out)| {
+            for (response, row) in out.chunks_mut(self.lights.max(1)).enumerate() {
+                matrix.gather(sample * responses + response, row);
+            }
+            wide.clear();
+            wide.extend(out.iter().map(|v| f64::from(*v) * scale));
+            if let Some(metric) = &self.metric {
+                metric.to_orthonormal(wide, self.lights);
+            }
+            out.iter_mut().zip(wide).for_each(|(v, w)| *v = *w as f32);
+        });
+        values
+    }
+}
+
+/// The power of two of the largest magnitude, 0 where that is harmless.
+fn exponent(matrix: &TransferMatrix) -> i32 {
+    let largest = (0..matrix.rows())
+        .into_par_iter()
+        .map(|row| matrix.row(row).non_zeros().fold(0f32, |largest, (_, v)| largest.max(v.abs())))
+        .reduce(|| 0.0, f32::max);
+    match largest {
+        0.0 => 0,
+        _ => Some(f64::from(largest).log2().floor() as i32).filter(|e| !HARMLESS.contains(e)).unwrap_or(0),
+    }
+}
