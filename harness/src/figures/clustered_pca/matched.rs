@@ -109,7 +109,7 @@ pub(super) fn table(all: &[Beside]) -> String {
     let base = |figure: &'static str| of(figure).find(|b| b.setting.ends_with("n' = 8"));
     let printed = |b: &Beside| {
         let times = base(b.figure).map(|base| b.error / base.error);
-        [b.curve.into(), b.setting.into(), number::short(b.hz), number::short(b.error), short(times)]
+        [b.curve.into(), b.setting.into(), b.hz.to_string(), b.error.to_string(), short(times)]
     };
     let times = |b: &Beside, error: Option<f64>| {
         let base = base(b.figure).and_then(|base| base.same);

@@ -53,7 +53,7 @@ pub(super) fn text(lines: &[Measured]) -> String {
         let sizes = |samples: usize, clusters: usize| [samples, clusters, line.components].map(|n| n.to_string());
         let paper = std::iter::once(format!("{} {} {}", line.model, line.brdf, line.matrix))
             .chain(sizes(line.mesh.vertices, line.clusters))
-            .chain(measured.papers().cells().map(short));
+            .chain(as_printed(measured.papers().cells()));
         let samples = measured.outcomes.first().map_or(0, |o| o.row.samples);
         let scene =
             measured.subject.as_ref().map_or("not measured", |title| title.split(" · ").next().unwrap_or(title));
@@ -65,6 +65,13 @@ pub(super) fn text(lines: &[Measured]) -> String {
     let failures = lines.iter().flat_map(Measured::failures);
     let table = aligned(&titles, rows.collect::<Vec<_>>().into_iter());
     [format!("\n{TITLE}"), table].into_iter().chain(failures).collect::<Vec<_>>().join("\n")
+}
+
+/// Digits as they are printed, but for the ratios, which are not.
+fn as_printed([a, b, c, d, time, error]: [Option<f64>; 6]) -> impl Iterator<Item = String> {
+    let printed = [a, b, c, d].map(|figure| figure.map_or_else(|| "-".into(), |f| f.to_string()));
+    let ratios = [time, error].map(|figure| figure.map_or_else(|| "-".into(), number::short));
+    printed.into_iter().chain(ratios)
 }
 
 /// A line for each of the paper's, with the machine in every line.
