@@ -4,6 +4,7 @@ use crate::bounded::{Bounded, bounded};
 use crate::encoded::EncodedCpca;
 use crate::engine::{Clustering, Engine, Plan};
 use crate::finish::finish;
+use crate::model::Model;
 use crate::params::{Allocation, Clusters, CpcaParams, Mode, Norm, PcaParams, Solver, Start, VqParams, Width};
 use crate::samples::Samples;
 use prt_transfer::{Codec, Configure, Error, Params, Progress, Result, TransferMatrix};
@@ -154,6 +155,9 @@ impl Plan {
 impl Task {
     fn encode(mut self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<EncodedCpca> {
         let samples = self.samples(matrix)?;
+        if samples.values().is_empty() {
+            return Ok(EncodedCpca::store(&Model::empty(matrix.shape()), self.weights, self.representatives));
+        }
         let engine = Engine::new(samples.lent(), progress)?;
         progress.start("cluster", self.plan.steps());
         let clustering = engine.search(&self.plan)?;
@@ -167,6 +171,9 @@ impl Task {
         progress: &dyn Progress,
     ) -> Result<EncodedCpca> {
         let samples = self.samples(matrix)?;
+        if samples.values().is_empty() {
+            return self.encode(matrix, progress);
+        }
         match bounded(&self, matrix, &samples, bound, progress)? {
             Bounded::Kept(encoded) => Ok(encoded),
             Bounded::Missed(error) => {

@@ -25,6 +25,13 @@ pub struct Model {
 }
 
 impl Model {
+    /// Of a matrix without elements.
+    pub(crate) fn empty(shape: Shape) -> Model {
+        let nothing = Cluster { mean: vec![0.0; shape.responses * shape.lights], components: Vec::new() };
+        let clusters = if shape.samples == 0 { Vec::new() } else { vec![nothing] };
+        Model { shape, clusters, members: vec![0; shape.samples], weights: Vec::new() }
+    }
+
     /// Numbers of a sample.
     pub fn dimension(&self) -> usize {
         self.shape.responses * self.shape.lights

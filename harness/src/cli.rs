@@ -1,6 +1,6 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
-use crate::{bench, coherence, decode, encode, info, interchange, list, precompute};
+use crate::{bench, coherence, decode, encode, figures, info, interchange, list, precompute};
 use crate::{relight, render, stability, tables, terminal};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -44,6 +44,8 @@ enum Command {
     Info(info::InfoArguments),
     /// Measures the tables of a paper anew, beside what it prints
     Tables(tables::Tables),
+    /// Measures the figures of a paper anew, and draws them
+    Figures(figures::Figures),
     /// Finds where methods fail: sweeps over one parameter of a matrix, with charts
     Stability(stability::Stability),
     /// Lists the built-in scenes and lights, and the BRDFs with their parameters
@@ -80,6 +82,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Render(arguments) => render::run(arguments),
         Command::Info(arguments) => info::run(arguments),
         Command::Tables(arguments) => tables::run(arguments, threads),
+        Command::Figures(arguments) => figures::run(arguments, threads),
         Command::Stability(arguments) => stability::run(arguments, threads),
         Command::Scenes(arguments) => list::scenes(arguments),
         Command::Methods(arguments) => list::methods(arguments),

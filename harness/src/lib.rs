@@ -2,7 +2,7 @@
 //!
 //! [`registry::registry`] knows every transform and codec of the workspace; [`measure::Bench`] takes a method through
 //! its file and fills a [`row::Row`]; [`mod@bench`] does so for a whole [`suite::Suite`] and draws what came out;
-//! [`tables`] does so for the tables of a paper, [`stability`] for matrices on which methods fail.
+//! [`tables`] does so for the tables of a paper, [`figures`] for its figures, [`stability`] for matrices on which methods fail.
 
 pub mod bench;
 pub mod cache;
@@ -15,6 +15,7 @@ pub mod decode;
 pub mod encode;
 pub mod error_sums;
 pub mod family;
+pub mod figures;
 pub mod files;
 pub mod fingerprint;
 pub mod frontier;

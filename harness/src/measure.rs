@@ -79,6 +79,10 @@ impl Reference {
         };
         Ok(Reference { matrix, metric, whole, relit, timed })
     }
+    /// Σ T², which errors are relative to.
+    pub fn square(&self) -> f64 {
+        self.whole.squares
+    }
     /// The matrix itself.
     pub fn matrix(&self) -> &TransferMatrix {
         &self.matrix

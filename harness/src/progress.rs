@@ -78,6 +78,11 @@ impl Steps {
         Steps { bar, began: Instant::now() }
     }
 
+    /// So many more.
+    pub fn more(&self, steps: usize) {
+        self.bar.inc_length(steps as u64);
+    }
+
     /// What is being done now.
     pub fn show(&self, what: &str) {
         self.bar.set_message(what.to_string());

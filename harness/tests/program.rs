@@ -98,6 +98,8 @@ fn failures_are_one_sentence_with_the_place_and_leave_no_file() {
         (&["tables", "biclustering", "--method", "csr", "--assets", "absent"], "absent"),
         (&["stability", "biclustering", "--method", "nothing"], "unknown codec 'nothing'"),
         (&["stability", "biclustering", "--method", "csr", "--sweep", "nothing"], "unknown sweep 'nothing'"),
+        (&["figures", "clustered-pca", "--figure", "nothing"], "unknown figure 'nothing'"),
+        (&["figures", "clustered-pca", "--figure", "figure2", "--assets", "absent"], "absent"),
     ] {
         let message = refused(1, arguments, folder);
         assert!(message.starts_with("prt: ") && message.contains(part), "{arguments:?}: {message}");
@@ -123,6 +125,8 @@ fn wrong_usage_is_told_apart_from_failure() {
         &["tables", "unwritten"],
         &["tables", "biclustering", "--assets", ".", "--vertices", "100"],
         &["stability", "unwritten"],
+        &["figures", "unwritten"],
+        &["figures", "clustered-pca", "--assets", ".", "--vertices", "100"],
     ] {
         assert!(refused(2, arguments, folder.path()).contains("--help"), "{arguments:?}");
     }
@@ -144,6 +148,7 @@ fn every_command_helps_with_an_example() {
         "info",
         "tables",
         "stability",
+        "figures",
         "scenes",
         "methods",
     ] {

@@ -1,7 +1,7 @@
 //! Draws a chart: axes, frontier, reference line, markers, labels, legend.
 
 use super::axis::LogAxis;
-use super::pen::{self, FAINT, GRID, INK, SMALL, line, machine_line, marker, poly_line, rectangle, text};
+use super::pen::{self, FAINT, INK, SMALL, line, machine_line, marker, poly_line, rectangle, text};
 use super::place::{self, Box2};
 use super::style::Style;
 use super::{Chart, Point};
@@ -72,16 +72,8 @@ impl Frame<'_> {
             text(scene, (FRAME.left + EXACT / 2.0, FRAME.bottom + 20.0), 12, INK, TextAnchor::Middle, "exact");
         }
         pen::upright(scene, &self.costs, &FRAME);
-        for tick in self.errors.iter().flat_map(LogAxis::ticks) {
-            let labelled = tick.label.is_some();
-            if labelled {
-                line(scene, (tick.pixel, FRAME.top), (tick.pixel, FRAME.bottom), GRID, 1.0, None);
-            }
-            let length = if labelled { 6.0 } else { 3.0 };
-            line(scene, (tick.pixel, FRAME.bottom), (tick.pixel, FRAME.bottom + length), INK, 1.0, None);
-            if let Some(label) = tick.label {
-                text(scene, (tick.pixel, FRAME.bottom + 20.0), 12, INK, TextAnchor::Middle, &label);
-            }
+        if let Some(errors) = &self.errors {
+            pen::level(scene, errors, &Box2 { left: self.errors_from, ..FRAME });
         }
         if exact {
             // The axis is broken: the strip is no distance away from the smallest error.
@@ -90,9 +82,6 @@ impl Frame<'_> {
             for x in [strip, self.errors_from] {
                 line(scene, (x - 3.0, FRAME.bottom + 6.0), (x + 3.0, FRAME.bottom - 6.0), INK, 1.0, None);
             }
-        }
-        if self.errors.is_some() {
-            line(scene, (self.errors_from, FRAME.bottom), (FRAME.right, FRAME.bottom), INK, 1.0, None);
         }
         text(scene, (FRAME.left, FRAME.top - 14.0), 12, INK, TextAnchor::Start, self.chart.cost.axis);
         let middle = (FRAME.left + FRAME.right) / 2.0;

@@ -1,7 +1,9 @@
 //! Relight speed, storage and encode time against error: one chart of each for every matrix.
 
 mod axis;
+pub mod curves;
 mod figure;
+mod grid;
 pub mod panels;
 mod pen;
 mod place;

@@ -1,23 +1,16 @@
 //! Figures over a parameter: a panel for each figure, a line for each method.
 
 use super::axis::LogAxis;
+use super::grid::{self, Grid};
 use super::pen::{self, FAINT, GRID, INK, SMALL, line, marker, poly_line, text};
 use super::place::{self, Box2};
 use super::style::Style;
 use crate::machine::Machine;
 use kuva::render::render::{Scene, TextAnchor};
 
-/// Panels beside each other.
-const COLUMNS: usize = 3;
-const LEFT: f64 = 64.0;
-const TOP: f64 = 116.0;
-/// From one panel to the next.
-const STEP: (f64, f64) = (376.0, 296.0);
-/// A panel's frame.
-const SIZE: (f64, f64) = (300.0, 210.0);
-const WIDTH: f64 = LEFT + 3.0 * STEP.0 - 40.0;
 /// Between the first and the last mark and the ends of the frame.
 const AIR: f64 = 16.0;
+const LAYOUT: Grid = Grid { height: 210.0 };
 /// Where a method failed.
 const CROSS: &str = "×";
 /// Between the labels of two marks.
@@ -62,31 +55,15 @@ impl Panels {
     }
 
     fn scene(&self, machine: Option<&Machine>) -> Scene {
-        let rows = self.panels.len().div_ceil(COLUMNS).max(1) as f64;
-        let mut scene = pen::page(WIDTH, TOP + rows * STEP.1 + 4.0);
-        text(&mut scene, (LEFT, 32.0), 18, INK, TextAnchor::Start, &self.title);
-        text(&mut scene, (LEFT, 54.0), 12, FAINT, TextAnchor::Start, &self.subject);
-        self.legend(&mut scene);
+        let mut scene = LAYOUT.page(&self.title, &self.subject, self.panels.len());
+        let failed = self.panels.iter().flat_map(|panel| &panel.values).any(|values| values.contains(&None));
+        let remark = failed.then(|| format!("{CROSS} failed"));
+        grid::legend(&mut scene, &self.methods, |method| self.width(method), remark.as_deref());
         for (i, panel) in self.panels.iter().enumerate() {
-            let left = LEFT + STEP.0 * (i % COLUMNS) as f64;
-            let top = TOP + STEP.1 * (i / COLUMNS) as f64;
-            self.panel(&mut scene, panel, Box2 { left, top, right: left + SIZE.0, bottom: top + SIZE.1 });
+            self.panel(&mut scene, panel, LAYOUT.frame(i));
         }
-        pen::machine_line(&mut scene, LEFT, machine);
+        pen::machine_line(&mut scene, grid::LEFT, machine);
         scene
-    }
-
-    fn legend(&self, scene: &mut Scene) {
-        let mut x = LEFT;
-        for (i, method) in self.methods.iter().enumerate() {
-            line(scene, (x, 76.0), (x + 22.0, 76.0), Style::of(i).colour, self.width(i), None);
-            marker(scene, Style::of(i), x + 11.0, 76.0);
-            text(scene, (x + 28.0, 80.0), 12, INK, TextAnchor::Start, method);
-            x += 28.0 + place::width(method, 12.0) + 24.0;
-        }
-        if self.panels.iter().flat_map(|panel| &panel.values).any(|values| values.contains(&None)) {
-            text(scene, (x, 80.0), 12, FAINT, TextAnchor::Start, &format!("{CROSS} failed"));
-        }
     }
 
     /// The first lines are the widest, so that one that is covered by another is seen on both sides of it.
@@ -97,7 +74,7 @@ impl Panels {
     fn panel(&self, scene: &mut Scene, panel: &Panel, frame: Box2) {
         let values = || panel.values.iter().flatten().flatten().copied().filter(|v| drawable(*v));
         let axis = LogAxis::new(values(), frame.bottom, frame.top);
-        text(scene, (frame.left - 8.0, frame.top - 12.0), 12, INK, TextAnchor::Start, &panel.title);
+        grid::heading(scene, &frame, &panel.title);
         self.ground(scene, &frame);
         pen::upright(scene, &axis, &frame);
         for (method, values) in panel.values.iter().enumerate() {

@@ -44,13 +44,34 @@ pub(super) fn upright(scene: &mut Scene, axis: &LogAxis, frame: &Box2) {
     line(scene, (frame.left, frame.top), (frame.left, frame.bottom), INK, 1.0, None);
 }
 
+/// The bottom edge of `frame` as an axis, with lines across the frame at labelled marks.
+pub(super) fn level(scene: &mut Scene, axis: &LogAxis, frame: &Box2) {
+    for tick in axis.ticks() {
+        let labelled = tick.label.is_some();
+        if labelled {
+            line(scene, (tick.pixel, frame.top), (tick.pixel, frame.bottom), GRID, 1.0, None);
+        }
+        let length = if labelled { 6.0 } else { 3.0 };
+        line(scene, (tick.pixel, frame.bottom), (tick.pixel, frame.bottom + length), INK, 1.0, None);
+        if let Some(label) = tick.label {
+            text(scene, (tick.pixel, frame.bottom + 20.0), 12, INK, TextAnchor::Middle, &label);
+        }
+    }
+    line(scene, (frame.left, frame.bottom), (frame.right, frame.bottom), INK, 1.0, None);
+}
+
 pub(super) fn poly_line(scene: &mut Scene, points: Vec<(f64, f64)>, colour: &str, width: f64) {
     scene.add(Primitive::PolyLine { points, stroke: colour.into(), stroke_width: width, stroke_dasharray: None });
 }
 
 pub(super) fn marker(scene: &mut Scene, style: Style, x: f64, y: f64) {
+    marker_of(scene, style, (x, y), MARKER);
+}
+
+/// A marker of that radius.
+pub(super) fn marker_of(scene: &mut Scene, style: Style, (x, y): (f64, f64), radius: f64) {
     let (fill, edge) = (Color::from(style.colour), Color::from("#ffffff"));
-    scene.add(match style.outline(x, y, MARKER) {
+    scene.add(match style.outline(x, y, radius) {
         Some(d) => Primitive::Path(Box::new(PathData {
             d,
             fill: Some(fill),
@@ -62,7 +83,7 @@ pub(super) fn marker(scene: &mut Scene, style: Style, x: f64, y: f64) {
         None => Primitive::Circle {
             cx: x,
             cy: y,
-            r: MARKER,
+            r: radius,
             fill,
             fill_opacity: None,
             stroke: Some(edge),

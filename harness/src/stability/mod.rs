@@ -1,9 +1,11 @@
 //! `prt stability`: where methods fail, on matrices that leave the case they were made for step by step.
 //!
-//! A sweep is one file ([`study::Sweep`]) and one word in a study; a study is one file and one line in [`STUDIES`].
+//! A sweep is one file ([`study::Sweep`]) and one word in a study; a study is one file and one line in [`STUDIES`]. [`eigensolvers`]
+//! are no methods but what methods are made of: a study of their own.
 
 mod biclustering;
 pub mod columns;
+pub mod eigensolvers;
 pub mod outcome;
 pub mod scatter;
 pub mod study;
@@ -35,24 +37,28 @@ pub static STUDIES: [Study; 1] = [biclustering::STUDY];
 /// Time for each relighting figure: short, since there are hundreds; methods are timed in turn.
 const BUDGET: Duration = Duration::from_millis(15);
 
+/// Vertices of the scene where nobody says otherwise.
+const VERTICES: u32 = 300;
+
 /// Arguments of `prt stability`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  prt stability biclustering\n  prt stability biclustering --sweep values --method csr --method compact"
+    after_help = "Examples:\n  prt stability biclustering\n  prt stability biclustering --sweep values --method csr --method compact\n  prt stability eigensolvers --method krylov --sweep zero-tail"
 )]
 pub struct Stability {
     /// Which methods' weaknesses
-    #[arg(value_name = "STUDY", value_parser = PossibleValuesParser::new(STUDIES.iter().map(|s| s.name)))]
+    #[arg(value_name = "STUDY", value_parser = PossibleValuesParser::new(STUDIES.iter().map(|s| s.name).chain([eigensolvers::NAME])))]
     pub study: String,
-    /// A method, instead of the usual ones; may be repeated. `compact` is always measured: others are compared with it
+    /// A method (of eigensolvers: a solver), instead of the usual ones; may be repeated. `compact` is always measured: other
+    /// methods are compared with it
     #[arg(long = "method", value_name = "LABEL")]
     pub methods: Vec<String>,
-    /// Only this sweep; may be repeated
+    /// Only this sweep (of eigensolvers: this spectrum); may be repeated
     #[arg(long = "sweep", value_name = "SWEEP")]
     pub sweeps: Vec<String>,
-    /// Vertices of the scene that every sweep starts from, about
-    #[arg(long, value_name = "N", default_value_t = 300, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    pub vertices: u32,
+    /// Vertices of the scene that every sweep starts from, about [default: 300]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub vertices: Option<u32>,
     /// Folder for the sweeps as .csv, .svg and .png
     #[arg(long, value_name = "DIR", default_value = "prt-stability")]
     pub out: PathBuf,
@@ -60,6 +66,9 @@ pub struct Stability {
 
 /// Runs the command.
 pub fn run(arguments: &Stability, threads: usize) -> anyhow::Result<()> {
+    if arguments.study == eigensolvers::NAME {
+        return eigensolvers::run(arguments, threads);
+    }
     let registry = registry::registry();
     let study = find(&arguments.study)?;
     let sweeps = chosen(study, &arguments.sweeps)?;
@@ -67,7 +76,13 @@ pub fn run(arguments: &Stability, threads: usize) -> anyhow::Result<()> {
     let out = cache::make(arguments.out.clone())?;
     let (machine, pools) = (Machine::here(threads), Pools::new(threads)?);
     let bench = Bench { registry: &registry, pools: &pools, budget: Budget::of(BUDGET) };
-    let base = compute::precompute(study.scene, Some(arguments.vertices as usize), &(study.spec)(), &Quiet)?.matrix;
+    let base = compute::precompute(
+        study.scene,
+        Some(arguments.vertices.unwrap_or(VERTICES) as usize),
+        &(study.spec)(),
+        &Quiet,
+    )?
+    .matrix;
     let steps = Steps::new(sweeps.iter().map(|sweep| (sweep.values)(&base).len()).sum::<usize>() * methods.len());
     let subject = subject(study, &base);
     let mut measured = false;

@@ -1,0 +1,59 @@
+//! A page of panels beside each other under one title and one legend.
+
+use super::pen::{self, FAINT, INK, line, marker, text};
+use super::place::{self, Box2};
+use super::style::Style;
+use kuva::render::render::{Scene, TextAnchor};
+
+/// Panels beside each other.
+const COLUMNS: usize = 3;
+pub(super) const LEFT: f64 = 64.0;
+const TOP: f64 = 116.0;
+/// From one panel to the next one in its row, and the width of its frame.
+const ACROSS: (f64, f64) = (376.0, 300.0);
+/// Between the frames of two rows.
+const BETWEEN: f64 = 86.0;
+const WIDTH: f64 = LEFT + 3.0 * ACROSS.0 - 40.0;
+
+/// Panels whose frames are so high.
+#[derive(Clone, Copy)]
+pub(super) struct Grid {
+    pub(super) height: f64,
+}
+
+impl Grid {
+    /// An empty page for so many panels.
+    pub(super) fn page(&self, title: &str, subject: &str, panels: usize) -> Scene {
+        let rows = panels.div_ceil(COLUMNS).max(1) as f64;
+        let mut scene = pen::page(WIDTH, TOP + rows * (self.height + BETWEEN) + 4.0);
+        text(&mut scene, (LEFT, 32.0), 18, INK, TextAnchor::Start, title);
+        text(&mut scene, (LEFT, 54.0), 12, FAINT, TextAnchor::Start, subject);
+        scene
+    }
+
+    /// Where a panel is.
+    pub(super) fn frame(&self, panel: usize) -> Box2 {
+        let left = LEFT + ACROSS.0 * (panel % COLUMNS) as f64;
+        let top = TOP + (self.height + BETWEEN) * (panel / COLUMNS) as f64;
+        Box2 { left, top, right: left + ACROSS.1, bottom: top + self.height }
+    }
+}
+
+/// What stands over a panel.
+pub(super) fn heading(scene: &mut Scene, frame: &Box2, title: &str) {
+    text(scene, (frame.left - 8.0, frame.top - 12.0), 12, INK, TextAnchor::Start, title);
+}
+
+/// A line with its marker for each name, in the style of its place and as wide as `width` says; then a remark.
+pub(super) fn legend(scene: &mut Scene, names: &[String], width: impl Fn(usize) -> f64, remark: Option<&str>) {
+    let mut x = LEFT;
+    for (i, name) in names.iter().enumerate() {
+        line(scene, (x, 76.0), (x + 22.0, 76.0), Style::of(i).colour, width(i), None);
+        marker(scene, Style::of(i), x + 11.0, 76.0);
+        text(scene, (x + 28.0, 80.0), 12, INK, TextAnchor::Start, name);
+        x += 28.0 + place::width(name, 12.0) + 24.0;
+    }
+    if let Some(remark) = remark {
+        text(scene, (x, 80.0), 12, FAINT, TextAnchor::Start, remark);
+    }
+}
