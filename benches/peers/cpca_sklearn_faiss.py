@@ -197,7 +197,7 @@ def numpy_cpca(samples, options):
 
 def of_prt(samples, options, label):
     """Seconds of encoding by `prt` (all of them in the first figure), and the error of what it decodes."""
-    label = label.format(ours_sweeps=options.ours_sweeps, **vars(options))
+    label = label.format(**vars(options))
     with tempfile.TemporaryDirectory() as folder:
         prt, out = os.path.join(folder, "T.prt"), os.path.join(folder, "T.npy")
         run = [options.ours, "--threads", str(options.threads)]
