@@ -9,6 +9,7 @@ use crate::subspaces::Subspaces;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
 use prt_transfer::Result;
 use prt_transfer::linalg;
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 /// All subspaces of one sweep, seen from a head, in the layout of one product: for each number j of components, the clusters
@@ -112,7 +113,7 @@ impl Bounds {
         let rows = self.multiply(head, samples, work);
         for (i, (&sample, products)) in samples.iter().zip(rows.products).enumerate() {
             let row = Row { bounds: self, head: (head.square(sample as usize), head.tail(sample as usize)), products };
-            let summary = rows.arch.dispatch(|| row.below(limits[i], rows.parts, rows.row));
+            let summary = rows.arch.dispatch(Below { row, limit: limits[i], parts: rows.parts, out: rows.row });
             seconds[i] = seconds[i].min(summary.second);
             if summary.count > 0 {
                 let near = rows.row.iter().zip(&self.order).filter(|(bound, _)| **bound <= limits[i]);
@@ -126,7 +127,7 @@ impl Bounds {
         let rows = self.multiply(head, samples, work);
         let nearest = samples.iter().zip(rows.products).map(|(&sample, products)| {
             let row = Row { bounds: self, head: (head.square(sample as usize), head.tail(sample as usize)), products };
-            rows.arch.dispatch(|| row.below(f32::NEG_INFINITY, rows.parts, rows.row));
+            rows.arch.dispatch(Below { row, limit: f32::NEG_INFINITY, parts: rows.parts, out: rows.row });
             let least = rows
                 .row
                 .iter()
@@ -174,6 +175,22 @@ struct Row<'a> {
     products: &'a [f32],
 }
 
+/// The work of one sample, which the processor's vectors do: code of a closure would be compiled without them.
+struct Below<'a> {
+    row: Row<'a>,
+    limit: f32,
+    parts: &'a mut [f32],
+    out: &'a mut [f32],
+}
+
+impl WithSimd for Below<'_> {
+    type Output = Summary;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Summary {
+        self.row.below(self.limit, self.parts, self.out)
+    }
+}
+
 /// What a row of bounds says.
 struct Summary {
     /// The least of those above the limit.
@@ -208,15 +225,7 @@ impl Row<'_> {
                 rest * rest - along * along
             }),
         }
-        let mut lanes = [(f32::INFINITY, 0u32); LANES];
-        for chunk in out.chunks(LANES) {
-            for (lane, &bound) in lanes.iter_mut().zip(chunk) {
-                lane.0 = if bound > limit && bound < lane.0 { bound } else { lane.0 };
-                lane.1 += u32::from(bound <= limit);
-            }
-        }
-        let second = lanes.iter().fold(f32::INFINITY, |least, lane| least.min(lane.0));
-        Summary { second, count: lanes.iter().map(|lane| lane.1).sum() }
+        summary(out, limit)
     }
 
     /// a² by position.
@@ -248,6 +257,31 @@ impl Row<'_> {
 
 /// Strands of a summary.
 const LANES: usize = 16;
+
+#[inline(always)]
+fn summary(bounds: &[f32], limit: f32) -> Summary {
+    let (mut least, mut counts) = ([f32::INFINITY; LANES], [0u32; LANES]);
+    let chunks = bounds.chunks_exact(LANES);
+    let rest = chunks.remainder();
+    for chunk in chunks {
+        for lane in 0..LANES {
+            let above = chunk[lane] > limit;
+            let bound = if above { chunk[lane] } else { f32::INFINITY };
+            least[lane] = if bound < least[lane] { bound } else { least[lane] };
+            counts[lane] += u32::from(!above);
+        }
+    }
+    let (mut second, mut count) = (f32::INFINITY, 0);
+    for lane in 0..LANES {
+        second = second.min(least[lane]);
+        count += counts[lane];
+    }
+    for &bound in rest {
+        second = if bound > limit { second.min(bound) } else { second };
+        count += u32::from(bound <= limit);
+    }
+    Summary { second, count }
+}
 
 /// ν² of components with these heads: 1 less the least eigenvalue of V_hᵀ V_h.
 fn leak(vectors: &[Seen]) -> Result<f64> {

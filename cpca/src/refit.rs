@@ -19,16 +19,27 @@ const SPARE: usize = 4;
 /// The mean of samples, in double precision.
 pub(crate) fn mean(samples: &Samples, group: &[u32]) -> Vec<f64> {
     let mut sum = vec![0f64; samples.dimension()];
-    pulp::Arch::new().dispatch(|| add_rows(samples, group, &mut sum));
+    pulp::Arch::new().dispatch(Sum { samples, group, sum: &mut sum });
     let count = group.len().max(1) as f64;
     sum.iter_mut().for_each(|s| *s /= count);
     sum
 }
 
-#[inline(always)]
-fn add_rows(samples: &Samples, group: &[u32], sum: &mut [f64]) {
-    for &sample in group {
-        sum.iter_mut().zip(samples.row(sample as usize)).for_each(|(s, x)| *s += f64::from(*x));
+struct Sum<'a> {
+    samples: &'a Samples<'a>,
+    group: &'a [u32],
+    sum: &'a mut [f64],
+}
+
+impl pulp::WithSimd for Sum<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        for &sample in self.group {
+            for (sum, x) in self.sum.iter_mut().zip(self.samples.row(sample as usize)) {
+                *sum += f64::from(*x);
+            }
+        }
     }
 }
 

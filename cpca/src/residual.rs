@@ -104,7 +104,21 @@ fn products<S: Simd, const V: usize>(simd: S, r: &[f32], vectors: &[f32]) -> [f3
 
 /// `|r - Σ_j (r · v_j) v_j|²` with r = x - mean, residual by residual in double precision: no cancellation.
 pub(crate) fn explicit(x: &[f32], mean: &[f32], vectors: &[f32]) -> f64 {
-    Arch::new().dispatch(|| deflated(x, mean, vectors))
+    Arch::new().dispatch(Deflated { x, mean, vectors })
+}
+
+struct Deflated<'a> {
+    x: &'a [f32],
+    mean: &'a [f32],
+    vectors: &'a [f32],
+}
+
+impl WithSimd for Deflated<'_> {
+    type Output = f64;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        deflated(self.x, self.mean, self.vectors)
+    }
 }
 
 #[inline(always)]

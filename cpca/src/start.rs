@@ -89,7 +89,7 @@ fn plus_plus(samples: &Samples, head: &Head, clusters: usize, random: &mut Rando
         let sums: Vec<f64> = nearest
             .par_chunks_mut(BLOCK)
             .zip(rows.par_chunks(BLOCK * size))
-            .map(|(nearest, rows)| pulp::Arch::new().dispatch(|| nearer(rows, centre, nearest)))
+            .map(|(nearest, rows)| pulp::Arch::new().dispatch(Nearer { rows, centre, nearest }))
             .collect();
         nearest[newest] = 0.0;
         let total: f64 = sums.iter().sum();
@@ -103,24 +103,39 @@ fn plus_plus(samples: &Samples, head: &Head, clusters: usize, random: &mut Rando
 }
 
 /// Squared distances to a new centre where they are less than before; their sum.
-#[inline(always)]
-fn nearer(rows: &[f32], centre: &[f32], nearest: &mut [f32]) -> f64 {
-    const LANES: usize = 8;
-    let mut sum = 0f64;
-    for (row, least) in rows.chunks_exact(centre.len().max(1)).zip(nearest) {
-        let mut lanes = [0f32; LANES];
-        let (row, centre) = (row.chunks_exact(LANES), centre.chunks_exact(LANES));
-        let rest = row.remainder().iter().zip(centre.remainder()).map(|(x, c)| (x - c) * (x - c)).sum::<f32>();
-        for (x, c) in row.zip(centre) {
-            for lane in 0..LANES {
-                let d = x[lane] - c[lane];
-                lanes[lane] += d * d;
+struct Nearer<'a> {
+    rows: &'a [f32],
+    centre: &'a [f32],
+    nearest: &'a mut [f32],
+}
+
+impl pulp::WithSimd for Nearer<'_> {
+    type Output = f64;
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> f64 {
+        const LANES: usize = 16;
+        let mut sum = 0f64;
+        for (row, least) in self.rows.chunks_exact(self.centre.len().max(1)).zip(self.nearest) {
+            let mut lanes = [0f32; LANES];
+            let (row, centre) = (row.chunks_exact(LANES), self.centre.chunks_exact(LANES));
+            let mut square = 0.0;
+            for (x, c) in row.remainder().iter().zip(centre.remainder()) {
+                square += (x - c) * (x - c);
             }
+            for (x, c) in row.zip(centre) {
+                for lane in 0..LANES {
+                    let d = x[lane] - c[lane];
+                    lanes[lane] += d * d;
+                }
+            }
+            for lane in lanes {
+                square += lane;
+            }
+            *least = if square < *least { square } else { *least };
+            sum += f64::from(*least);
         }
-        *least = least.min(rest + lanes.iter().sum::<f32>());
-        sum += f64::from(*least);
+        sum
     }
-    sum
 }
 
 /// Where the running sum of weights passes `target`; the last that has a weight where rounding has passed the end.
