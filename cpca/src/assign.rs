@@ -212,10 +212,9 @@ impl Pass<'_> {
         let mut seconds: Vec<f32> = known.iter().map(|known| known.rest).collect();
         let (work, candidates) = (&mut scratch.work, &mut scratch.candidates);
         candidates.clear();
-        bounds.scan(self.head, (&samples, &limits), &mut seconds, work, |i, cluster| {
-            if cluster != known[i].own.cluster {
-                candidates.push(Candidate { sample: i as u32, cluster, error: 0.0, margin: 0.0 });
-            }
+        let owns: Vec<u32> = known.iter().map(|known| known.own.cluster).collect();
+        bounds.scan(self.head, (&samples, &owns, &limits), &mut seconds, work, |i, cluster| {
+            candidates.push(Candidate { sample: i as u32, cluster, error: 0.0, margin: 0.0 });
         });
         self.measure(&samples, scratch);
         let own = known.iter().enumerate().map(|(i, known)| Candidate { sample: i as u32, ..known.own });

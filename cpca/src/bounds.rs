@@ -32,6 +32,8 @@ pub(crate) struct Bounds {
     margins: Vec<f32>,
     /// Whether anything lies outside the head.
     tailed: bool,
+    /// By cluster: whether it is among these.
+    present: Vec<bool>,
 }
 
 /// Where a thread keeps its intermediate results.
@@ -88,7 +90,9 @@ impl Bounds {
             steeps: seen.iter().map(|(.., leak)| (1.0 / (1.0 - leak)) as f32).collect(),
             margins: Vec::new(),
             tailed: !head.is_whole(),
+            present: vec![false; subspaces.len()],
         };
+        clusters.iter().for_each(|&cluster| bounds.present[cluster as usize] = true);
         let norms = bounds.squares.iter().zip(&bounds.tails);
         bounds.margins = norms.map(|(square, tail)| bounds.slack() * (square + tail * tail)).collect();
         Ok(bounds)
@@ -100,12 +104,12 @@ impl Bounds {
         2.0 * strand * (1.0 + (self.levels.len() as f32 - 1.0).sqrt())
     }
 
-    /// Subspaces that may lie no farther from each sample than its limit are handed to `found` with the sample's place among `samples`;
-    /// `seconds` falls to the least bound of the others.
+    /// Subspaces other than its own that may lie no farther from each sample than its limit are handed to `found` with the sample's
+    /// place among `samples`; `seconds` falls to the least bound of the others. The own one lies within the limit.
     pub(crate) fn scan(
         &self,
         head: &Head,
-        (samples, limits): (&[u32], &[f32]),
+        (samples, owns, limits): (&[u32], &[u32], &[f32]),
         seconds: &mut [f32],
         work: &mut Workspace,
         mut found: impl FnMut(usize, u32),
@@ -115,9 +119,9 @@ impl Bounds {
             let row = Row { bounds: self, head: (head.square(sample as usize), head.tail(sample as usize)), products };
             let summary = rows.arch.dispatch(Below { row, limit: limits[i], parts: rows.parts, out: rows.row });
             seconds[i] = seconds[i].min(summary.second);
-            if summary.count > 0 {
+            if summary.count > u32::from(self.present[owns[i] as usize]) {
                 let near = rows.row.iter().zip(&self.order).filter(|(bound, _)| **bound <= limits[i]);
-                near.for_each(|(_, &cluster)| found(i, cluster));
+                near.filter(|(_, cluster)| **cluster != owns[i]).for_each(|(_, &cluster)| found(i, cluster));
             }
         }
     }
