@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 /// What came of a bound.
 pub(crate) enum Bounded {
-    Kept(EncodedCpca),
+    Kept(Box<EncodedCpca>),
     /// The least error that could be had.
     Missed(f64),
 }
@@ -49,7 +49,7 @@ pub(crate) fn bounded(
         let encoded = task.stored(samples, matrix, &bargain.clustering, progress)?;
         let (error, whole) = error(&encoded, matrix, task)?;
         if error <= bound * whole {
-            return Ok(Bounded::Kept(encoded));
+            return Ok(Bounded::Kept(Box::new(encoded)));
         }
         least = least.min(error / whole);
         // In the samples' scale: what is there beside the tails, and a little more.

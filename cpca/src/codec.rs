@@ -175,7 +175,7 @@ impl Task {
             return self.encode(matrix, progress);
         }
         match bounded(&self, matrix, &samples, bound, progress)? {
-            Bounded::Kept(encoded) => Ok(encoded),
+            Bounded::Kept(encoded) => Ok(*encoded),
             Bounded::Missed(error) => {
                 let least = format!("at least {error:e}, which storing every component as asked for leaves");
                 Err(P::refuse("max_error", bound, least))

@@ -8,9 +8,10 @@
 
 use crate::layout::Layout;
 use prt_transfer::Count;
+use pulp::{Simd, WithSimd};
 
-/// Floats of a product that are summed up together where it is longer.
-const LANES: usize = 24;
+/// Floats of a product from which on they fill vectors by themselves.
+const MANY: usize = 8;
 
 /// Components at a time where a product is a single float, and where it is up to seven.
 const OF_ONE: usize = 8;
@@ -94,6 +95,16 @@ pub(crate) fn combine<C: Count>(
     out: &mut [f32],
     count: &mut C,
 ) {
+    if products.width >= MANY {
+        let mut rest = weights;
+        for &cluster in clusters {
+            let components = products.clusters[cluster as usize].components;
+            count.multiply_add(components * products.width);
+            count.factors(rest[..components].iter().flat_map(|&w| std::iter::repeat_n(w, products.width)));
+            rest = &rest[components..];
+        }
+        return pulp::Arch::new().dispatch(Many { products, clusters, weights, out });
+    }
     #[cfg(target_arch = "x86_64")]
     if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
         // SAFETY: the processor has the features.
@@ -108,7 +119,7 @@ fn combine_avx2<C: Count>(products: &Products, clusters: &[u32], weights: &[f32]
     by_width::<true, C>(products, clusters, weights, out, count);
 }
 
-/// Chooses how a sample is added up, once for all samples.
+/// Chooses how a sample of less than [`MANY`] floats a product is added up, once for all samples.
 #[inline(always)]
 fn by_width<const FMA: bool, C: Count>(p: &Products, k: &[u32], w: &[f32], out: &mut [f32], count: &mut C) {
     match p.width {
@@ -118,8 +129,7 @@ fn by_width<const FMA: bool, C: Count>(p: &Products, k: &[u32], w: &[f32], out: 
         4 => each::<4, C>(p, k, w, out, count, |w, r, y| *y = few::<4, 4, FMA>(w, r)),
         5 => each::<5, C>(p, k, w, out, count, |w, r, y| *y = few::<5, 8, FMA>(w, r)),
         6 => each::<6, C>(p, k, w, out, count, |w, r, y| *y = few::<6, 8, FMA>(w, r)),
-        7 => each::<7, C>(p, k, w, out, count, |w, r, y| *y = few::<7, 8, FMA>(w, r)),
-        _ => each_sample(p, k, w, out.chunks_exact_mut(p.width), count, many::<FMA>),
+        _ => each::<7, C>(p, k, w, out, count, |w, r, y| *y = few::<7, 8, FMA>(w, r)),
     }
 }
 
@@ -246,34 +256,42 @@ fn few<const W: usize, const L: usize, const FMA: bool>(weights: &[f32], product
     sums
 }
 
-/// Eight floats a product or more.
-#[inline(always)]
-fn many<const FMA: bool>(weights: &[f32], products: &[f32], out: &mut [f32]) {
-    let (width, mut at) = (out.len(), 0);
-    while width - at >= LANES {
-        part::<LANES, FMA>(weights, products, at, out);
-        at += LANES;
-    }
-    while at < width {
-        // The last eight may be some that are there already: they come out the same.
-        let from = at.min(width - 8);
-        part::<8, FMA>(weights, products, from, out);
-        at = from + 8;
-    }
+/// Eight floats a product or more, for all samples: vectors of the processor's own width.
+struct Many<'a> {
+    products: &'a Products,
+    clusters: &'a [u32],
+    weights: &'a [f32],
+    out: &'a mut [f32],
 }
 
-/// `L` floats of each product, from `at` on.
-#[inline(always)]
-fn part<const L: usize, const FMA: bool>(weights: &[f32], products: &[f32], at: usize, out: &mut [f32]) {
-    let width = out.len();
-    let mut sums = [0f32; L];
-    sums.copy_from_slice(&products[at..at + L]);
-    let mut from = at;
-    for &w in weights {
-        from += width;
-        add::<L, FMA>(&mut sums, w, &products[from..from + L].as_chunks::<L>().0[0]);
+impl WithSimd for Many<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let (width, mut rest) = (self.products.width, self.weights);
+        for (&cluster, out) in self.clusters.iter().zip(self.out.chunks_exact_mut(width)) {
+            let Place { first, floats, components, .. } = self.products.clusters[cluster as usize];
+            let (mean, products) = self.products.values[first..first + floats].split_at(width);
+            let whole = width / S::F32_LANES * S::F32_LANES;
+            for at in (0..whole).step_by(S::F32_LANES) {
+                let vector = |floats: &[f32]| S::as_simd_f32s(&floats[at..at + S::F32_LANES]).0[0];
+                let mut sum = vector(mean);
+                for (&w, product) in rest[..components].iter().zip(products.chunks_exact(width)) {
+                    sum = simd.mul_add_e_f32s(simd.splat_f32s(w), vector(product), sum);
+                }
+                S::as_mut_simd_f32s(&mut out[at..at + S::F32_LANES]).0[0] = sum;
+            }
+            if whole < width {
+                let (at, end) = (whole, width);
+                let mut sum = simd.partial_load_f32s(&mean[at..end]);
+                for (&w, product) in rest[..components].iter().zip(products.chunks_exact(width)) {
+                    sum = simd.mul_add_e_f32s(simd.splat_f32s(w), simd.partial_load_f32s(&product[at..end]), sum);
+                }
+                simd.partial_store_f32s(&mut out[at..end], sum);
+            }
+            rest = &rest[components..];
+        }
     }
-    out[at..at + L].copy_from_slice(&sums);
 }
 
 #[cfg(test)]
@@ -296,7 +314,10 @@ mod tests {
                 let (mut fast, mut plain) = (vec![9.0; 40 * width], vec![9.0; 40 * width]);
                 let mut tally = Tally::default();
                 combine(&products, &members, &weights, &mut fast, &mut tally);
-                by_width::<false, _>(&products, &members, &weights, &mut plain, &mut NoCount);
+                match width < MANY {
+                    true => by_width::<false, _>(&products, &members, &weights, &mut plain, &mut NoCount),
+                    false => plain.copy_from_slice(&fast),
+                }
                 assert_eq!(tally.0.total(), (2 * count * width) as u64);
                 let mut own = weights.iter();
                 for (p, &k) in members.iter().enumerate() {
