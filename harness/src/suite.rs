@@ -41,6 +41,8 @@ pub struct Suite {
     pub methods: Vec<String>,
     /// Labels beside them for matrices whose signal is `biscale`.
     pub biscale_methods: Vec<String>,
+    /// Labels beside them for all other matrices: a sample of `biscale`, D² x lights numbers, is too long a vector to be clustered.
+    pub cluster_methods: Vec<String>,
     /// Time for each of the four relighting figures of a row.
     pub budget: Duration,
 }
@@ -68,6 +70,25 @@ const METHODS: [&str; 12] = [
     "sh:order=3+dense",
     "sh:order=5+dense",
     "sh:order=8+dense",
+];
+/// Vectors and subspaces that samples share.
+const QUICK_CLUSTERS: [&str; 2] = ["pca", "cpca:clusters=16"];
+const CLUSTERS: [&str; 7] = [
+    "vq:clusters=32",
+    "vq:clusters=128",
+    "pca:components=32",
+    "cpca:clusters=16",
+    "cpca:clusters=16:mode=iterative",
+    "cpca:clusters=16:mode=adaptive:weights=i16:representatives=i16",
+    "cpca:clusters=auto:max_error=1e-2",
+];
+const FULL_CLUSTERS: [&str; 6] = [
+    "vq:clusters=512",
+    "pca:components=128",
+    "cpca:clusters=64",
+    "cpca:clusters=64:mode=iterative",
+    "cpca:clusters=64:mode=adaptive",
+    "cpca:clusters=64:norm=radiance",
 ];
 const FULL_METHODS: [&str; 10] = [
     "bicluster:objective=flops",
@@ -98,15 +119,17 @@ impl Suite {
         let origins = scenes.iter().flat_map(|scene| origins(scene, vertices, &basis)).collect();
         let budget = Duration::from_millis(budget);
         if !methods.is_empty() {
-            return Suite { origins, methods: methods.to_vec(), biscale_methods: Vec::new(), budget };
+            let (biscale_methods, cluster_methods) = (Vec::new(), Vec::new());
+            return Suite { origins, methods: methods.to_vec(), biscale_methods, cluster_methods, budget };
         }
-        Suite { origins, methods: usual_methods(size), biscale_methods: owned(&BISCALE_METHODS), budget }
+        let (biscale_methods, cluster_methods) = (owned(&BISCALE_METHODS), clusters(size));
+        Suite { origins, methods: usual_methods(size), biscale_methods, cluster_methods, budget }
     }
 
     /// What is measured on one matrix.
     pub fn methods_on(&self, origin: &Origin) -> Vec<String> {
         let biscale = matches!(origin, Origin::Scene { spec, .. } if spec.signal == Signal::Biscale);
-        let more = if biscale { &self.biscale_methods[..] } else { &[] };
+        let more = if biscale { &self.biscale_methods } else { &self.cluster_methods };
         [&self.methods[..], more].concat()
     }
 }
@@ -119,6 +142,14 @@ fn usual_methods(size: Size) -> Vec<String> {
         Size::Full => methods.extend(owned(&[&METHODS[..], &FULL_METHODS[..]].concat())),
     }
     methods
+}
+
+fn clusters(size: Size) -> Vec<String> {
+    match size {
+        Size::Quick => owned(&QUICK_CLUSTERS),
+        Size::Standard => owned(&CLUSTERS),
+        Size::Full => owned(&[&CLUSTERS[..], &FULL_CLUSTERS[..]].concat()),
+    }
 }
 
 fn owned(names: &[&str]) -> Vec<String> {
@@ -150,7 +181,7 @@ mod tests {
     fn every_label_of_every_suite_is_in_its_shortest_form_and_there_once() {
         for size in [Size::Quick, Size::Standard, Size::Full] {
             let suite = Suite::new(size, &[], &[]);
-            let methods = [&suite.methods[..], &suite.biscale_methods[..]].concat();
+            let methods = [&suite.methods[..], &suite.biscale_methods[..], &suite.cluster_methods[..]].concat();
             for (i, method) in methods.iter().enumerate() {
                 assert_eq!(&method.parse::<Label>().unwrap().to_string(), method);
                 assert!(!methods[..i].contains(method), "{method}");

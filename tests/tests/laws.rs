@@ -44,7 +44,8 @@ fn relighting_equals_decoded_rows_times_light() {
             let mut magnitude = rows.mapv(f64::abs).sum_axis(ndarray::Axis(1)) * 2.0;
             // Clusters mix samples: a row of zeros may be a sum of representatives that are none.
             if ["vq", "pca", "cpca"].contains(&label.codec.name.as_str()) {
-                magnitude.fill(magnitude.iter().copied().fold(0.0, f64::max));
+                let largest = magnitude.iter().copied().fold(0.0, f64::max);
+                magnitude.fill(largest);
             }
             for ((row, channel), y) in out.indexed_iter() {
                 let error = (f64::from(*y) - expected[[row, channel]]).abs();
