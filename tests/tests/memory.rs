@@ -16,9 +16,19 @@ static ALLOCATOR: Counting = Counting;
 /// One test at a time: what others allocate would be counted too.
 static ALONE: Mutex<()> = Mutex::new(());
 
+/// Waits for what threads have still to give back after the test before.
+fn settle() {
+    let mut before = usize::MAX;
+    while before != held() {
+        before = held();
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+}
+
 #[test]
 fn the_peak_counts_what_is_held_at_once_by_all_threads_and_not_what_is_held_before_or_in_turn() {
     let _alone = ALONE.lock();
+    settle();
     const SIZE: usize = 1 << 20;
     let block = || black_box(vec![1u8; SIZE]);
     let before = block();
@@ -42,6 +52,7 @@ fn the_peak_counts_what_is_held_at_once_by_all_threads_and_not_what_is_held_befo
 #[test]
 fn memory_held_after_loading_is_the_resident_size() {
     let _alone = ALONE.lock();
+    settle();
     let registry = registry();
     let basis = LightBasis::Cubemap { resolution: 16 };
     let mut rng = random(1);
