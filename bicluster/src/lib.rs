@@ -45,7 +45,6 @@ mod pairs;
 mod params;
 mod places;
 mod planes;
-mod random;
 mod regions;
 mod sums;
 mod symbols;

@@ -4,8 +4,8 @@
 //! its random walk row → column → row (the spectral embedding of its bipartite graph) vary slowly along the columns that rows
 //! share.
 
-use crate::random::Random;
 use prt_transfer::TransferMatrix;
+use prt_transfer::random::Random;
 
 /// A place.
 pub(crate) type Place = [f32; 3];

@@ -57,7 +57,6 @@ mod layout;
 pub mod model;
 mod numbers;
 mod params;
-mod random;
 mod refit;
 mod residual;
 mod samples;

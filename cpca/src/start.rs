@@ -3,13 +3,13 @@
 use crate::groups::Groups;
 use crate::head::Head;
 use crate::params::Start;
-use crate::random::Random;
 use crate::refit::fit;
 use crate::samples::Samples;
 use crate::shift::by_cluster;
 use crate::subspaces::{Subspace, Subspaces};
 use crate::sweeps::Search;
 use prt_transfer::Result;
+use prt_transfer::random::Random;
 use rayon::prelude::*;
 
 impl Search<'_> {

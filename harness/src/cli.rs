@@ -1,6 +1,6 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
-use crate::{bench, coherence, decode, encode, figures, info, interchange, list, precompute};
+use crate::{bench, coherence, decode, encode, figures, fit_light, info, interchange, list, precompute};
 use crate::{relight, render, stability, tables, terminal};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -36,6 +36,8 @@ enum Command {
     Import(interchange::Import),
     /// Relights a compressed matrix
     Relight(relight::Relight),
+    /// Fits a sum of scattered lobes to a light
+    FitLight(fit_light::FitLight),
     /// Rearranges clusters so that fewer triangles straddle them
     Coherence(coherence::Coherence),
     /// Draws a scene, relit from a matrix or traced
@@ -78,6 +80,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Export(arguments) => interchange::export(arguments),
         Command::Import(arguments) => interchange::import(arguments),
         Command::Relight(arguments) => relight::run(arguments),
+        Command::FitLight(arguments) => fit_light::run(arguments),
         Command::Coherence(arguments) => coherence::run(arguments),
         Command::Render(arguments) => render::run(arguments),
         Command::Info(arguments) => info::run(arguments),

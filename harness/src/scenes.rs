@@ -1,5 +1,6 @@
 //! The one place where the program learns of scenes and lights.
 
+use crate::lobe_file;
 use clap::ValueEnum;
 use glam::Vec3;
 use ndarray::Array2;
@@ -7,7 +8,7 @@ use prt_transfer::basis::Direction;
 use prt_transfer::image::Image;
 use prt_transfer::mesh::Mesh;
 use prt_transfer::scene::repair::{Repairs, repair};
-use prt_transfer::scene::resample::{lookup, resample};
+use prt_transfer::scene::resample::{lookup, resample, texel_of};
 use prt_transfer::scene::{lights, shapes};
 use prt_transfer::{Error, LightBasis, Result, io, sh};
 use serde::Serialize;
@@ -73,7 +74,8 @@ fn mesh(scene: &str, vertices: Option<usize>, up: Up) -> Result<Mesh> {
     Ok(if up == Up::Y { mesh.turned(|v| Vec3::new(v.x, -v.z, v.y)) } else { mesh })
 }
 
-/// A built-in light or an image file (.exr, .hdr) in `basis`: lights x 3 channels. Negative pixels are taken for 0.
+/// A built-in light, an image file (.exr, .hdr) or lobes (.json) in `basis`: lights x 3 channels. Negative pixels are taken for 0; lobes
+/// count as they are.
 pub fn light(name: &str, basis: &LightBasis) -> Result<Array2<f32>> {
     if let LightBasis::SphericalHarmonics { order } = *basis {
         let texels = LightBasis::Cubemap { resolution: PROJECTED };
@@ -88,6 +90,9 @@ pub fn light(name: &str, basis: &LightBasis) -> Result<Array2<f32>> {
     if Path::new(name).extension().is_none() {
         return lights::find(name)?.environment().texels(basis);
     }
+    if is_lobes(name) {
+        return lobe_file::read(Path::new(name))?.texels(basis);
+    }
     resample(&light_image(name)?, basis)
 }
 
@@ -100,8 +105,27 @@ pub fn backdrop(name: &str) -> Result<Backdrop> {
         let environment = lights::find(name)?.environment();
         return Ok(Box::new(move |direction| environment.radiance(direction)));
     }
+    if is_lobes(name) {
+        let light = lobe_file::read(Path::new(name))?;
+        return Ok(Box::new(move |direction| {
+            let radiance = light.radiance(direction);
+            [0, 1, 2].map(|channel| radiance[channel] as f32)
+        }));
+    }
     let image = light_image(name)?;
     Ok(Box::new(move |direction| lookup(&image, direction)))
+}
+
+/// Whether a light is a file of lobes.
+pub fn is_lobes(name: &str) -> bool {
+    Path::new(name).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+}
+
+/// Texels as a lat-long image of `width` x `height` pixels, each the texel that holds its centre; black where a basis has no texels.
+pub fn unwrapped(basis: &LightBasis, texels: &Array2<f32>, [width, height]: [usize; 2]) -> Image {
+    let directions = LightBasis::LatLong { width, height }.directions().unwrap_or_default();
+    let texel = |d: Direction| texel_of(basis, d).map_or([0.0; 3], |k| [0, 1, 2].map(|channel| texels[[k, channel]]));
+    Image { width, height, pixels: directions.into_iter().map(texel).collect() }
 }
 
 /// A lat-long image file; negative pixels are taken for 0.

@@ -3,7 +3,7 @@
 //! `μ` is the cosine of that angle throughout. Both kernels are positive definite: their Legendre coefficients are positive, so that
 //! lobes of distinct centres are linearly independent.
 
-use crate::legendre;
+use crate::{exponential, legendre};
 use prt_transfer::basis::Direction;
 use std::f64::consts::PI;
 
@@ -36,21 +36,32 @@ impl Kernel {
         }
     }
 
+    /// Replaces every cosine by the kernel there.
+    pub fn values(self, cosines: &mut [f64], bandwidth: f64) {
+        match self {
+            Kernel::Gaussian => exponential::gaussian(cosines, bandwidth),
+            Kernel::AbelPoisson => cosines.iter_mut().for_each(|mu| *mu = self.value(*mu, bandwidth)),
+        }
+    }
+
     /// ∂G/∂μ: the gradient in the centre ξ is that times the direction η (less its part along ξ, which does not move the lobe).
     pub fn slope(self, mu: f64, bandwidth: f64) -> f64 {
-        match self {
-            Kernel::Gaussian => bandwidth * self.value(mu, bandwidth),
-            Kernel::AbelPoisson => 3.0 * bandwidth * self.value(mu, bandwidth) / distance(mu, bandwidth),
-        }
+        self.value(mu, bandwidth) * self.logarithmic_slopes(mu, bandwidth)[0]
     }
 
     /// ∂G/∂λ.
     pub fn bandwidth_slope(self, mu: f64, bandwidth: f64) -> f64 {
+        self.value(mu, bandwidth) * self.logarithmic_slopes(mu, bandwidth)[1]
+    }
+
+    /// ∂ ln G/∂μ and ∂ ln G/∂λ.
+    pub fn logarithmic_slopes(self, mu: f64, bandwidth: f64) -> [f64; 2] {
         match self {
-            Kernel::Gaussian => (mu - 1.0) * self.value(mu, bandwidth),
+            Kernel::Gaussian => [bandwidth, mu - 1.0],
             Kernel::AbelPoisson => {
-                let (q, squares) = (distance(mu, bandwidth), (1.0 - bandwidth) * (1.0 + bandwidth));
-                (3.0 * squares * (mu - bandwidth) / q - 2.0 * bandwidth) * q.powf(-1.5)
+                let threefold = 3.0 / distance(mu, bandwidth);
+                let squares = (1.0 - bandwidth) * (1.0 + bandwidth);
+                [bandwidth * threefold, (mu - bandwidth) * threefold - 2.0 * bandwidth / squares]
             }
         }
     }

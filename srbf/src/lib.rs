@@ -1,9 +1,18 @@
 //! Spherical radial basis functions (Tsai and Shih 2006, sections 4 and 5).
-//!
-//! A lobe is a [`Kernel`] of the angle to its centre. Rotating a sum of lobes is rotating their centres.
 #![forbid(unsafe_code)]
 
+mod exponential;
+#[cfg(feature = "fit")]
+pub mod fit;
+#[cfg(feature = "fit")]
+mod icosphere;
 pub mod kernel;
 mod legendre;
+pub mod light;
+pub mod lobe;
+pub mod sampler;
 
 pub use kernel::Kernel;
+pub use light::ScatteredLight;
+pub use lobe::Lobe;
+pub use sampler::Sampler;

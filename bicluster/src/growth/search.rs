@@ -7,7 +7,7 @@ use super::block::{Block, Entry};
 use super::candidate::Candidate;
 use super::cost::Cost;
 use super::{Bicluster, Grown};
-use crate::random::Random;
+use prt_transfer::random::Random;
 
 /// Rows from which the partner of a seed is taken.
 const PARTNERS: usize = 4;

@@ -16,8 +16,8 @@
 
 use super::basis::{Basis, product};
 use super::{Pairs, norm, svd};
-use crate::random::Random;
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
+use prt_transfer::random::Random;
 use prt_transfer::{Result, linalg};
 
 /// Random vectors beyond the components wanted.

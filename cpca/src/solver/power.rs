@@ -10,8 +10,8 @@
 //! block method cures all three.
 
 use super::Pairs;
-use crate::random::Random;
 use ndarray::{Array1, Array2, ArrayView2, Axis};
+use prt_transfer::random::Random;
 use prt_transfer::{Result, linalg};
 
 /// c: iterations at most, of each component.

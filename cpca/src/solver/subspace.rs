@@ -9,8 +9,8 @@
 use super::basis::{Basis, product};
 use super::scale::Scale;
 use super::{Pairs, Principal, checked, fix_signs, norm, residual};
-use crate::random::Random;
 use ndarray::{Array2, ArrayView2, Axis, s};
+use prt_transfer::random::Random;
 use prt_transfer::{Error, Result, linalg};
 
 /// Columns for each component from which iterating is faster. Measured by `cargo bench -p prt-benches --bench solvers`,

@@ -5,9 +5,9 @@ mod spectra;
 
 use super::Principal;
 use crate::params::Solver;
-use crate::random::Random;
 use crate::solver::basis::{Basis, product};
 use ndarray::{Array2, ArrayView2};
+use prt_transfer::random::Random;
 
 /// Solvers that keep promises.
 const EXACT: [Solver; 4] = [Solver::Krylov, Solver::Gram, Solver::Svd, Solver::Auto];

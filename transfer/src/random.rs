@@ -1,12 +1,12 @@
-//! A sequence of random numbers that is the same on every machine.
+//! A sequence of random numbers that is the same on every machine: what seeds of codecs mean.
 
 /// SplitMix64 (Steele, Lea and Flood 2014).
 #[derive(Clone, Debug)]
-pub(crate) struct Random(pub(crate) u64);
+pub struct Random(pub u64);
 
 impl Random {
     /// 64 bits.
-    pub(crate) fn next(&mut self) -> u64 {
+    pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -14,20 +14,27 @@ impl Random {
         z ^ (z >> 31)
     }
 
+    /// One of `items`.
+    ///
+    /// # Panics
+    /// Where there is none.
+    pub fn pick<'a, T>(&mut self, items: &'a [T]) -> &'a T {
+        &items[self.below(items.len())]
+    }
+
     /// A number below `bound`, which is positive.
-    #[cfg_attr(not(test), allow(dead_code))]
-    pub(crate) fn below(&mut self, bound: usize) -> usize {
-        ((u128::from(self.next()) * bound as u128) >> 64) as usize
+    pub fn below(&mut self, bound: usize) -> usize {
+        ((u128::from(self.bits()) * bound as u128) >> 64) as usize
     }
 
     /// Uniform in [0, 1), a multiple of 2^-53.
-    pub(crate) fn uniform(&mut self) -> f64 {
-        (self.next() >> 11) as f64 * (0.5 / (1u64 << 52) as f64)
+    pub fn uniform(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 * (0.5 / (1u64 << 52) as f64)
     }
 
     /// Mean 0, variance 1, bell-shaped up to 6: the sum of twelve uniform numbers. No logarithm or sine, whose last bit
     /// depends on the machine.
-    pub(crate) fn normal(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
     }
 }
@@ -39,7 +46,7 @@ mod tests {
     #[test]
     fn numbers_are_those_of_the_published_sequence_and_spread_as_they_should() {
         // First output of SplitMix64 from state 0.
-        assert_eq!(Random(0).next(), 0xe220_a839_7b1d_cdaf);
+        assert_eq!(Random(0).bits(), 0xe220_a839_7b1d_cdaf);
         let (mut random, count) = (Random(1), 20_000);
         let moment = |power: i32, random: &mut Random| {
             (0..count).map(|_| random.normal().powi(power)).sum::<f64>() / f64::from(count)
