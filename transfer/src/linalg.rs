@@ -1,8 +1,12 @@
 //! Large dense products and decompositions, by faer.
 //!
-//! The only place that names the library: its code is generic and compiles where it is called, so everything here is not. Every
+//! The only module that names the library: its code is generic and compiles where it is called, so everything here is not. Every
 //! function runs on the calling thread, so that results do not depend on the number of threads; callers share the work out by blocks of a
 //! fixed size. Arrays are row-major and contiguous.
+
+mod cholesky;
+
+pub use cholesky::Cholesky;
 
 use crate::error::{Error, Result};
 use faer::diag::DiagMut;
@@ -108,6 +112,24 @@ pub fn eigen(matrix: ArrayView2<f64>) -> Result<Spectrum> {
     Ok(Spectrum { values, vectors: Array2::from_shape_fn((n, n), |(i, j)| vectors[(j, n - 1 - i)]) })
 }
 
+/// Eigenvalues of a symmetric matrix in descending order; its lower half is read.
+///
+/// # Errors
+/// As [`eigen`].
+pub fn eigenvalues(matrix: ArrayView2<f64>) -> Result<Vec<f64>> {
+    let n = matrix.nrows();
+    Error::expect_size("columns of a symmetric matrix", n, matrix.ncols())?;
+    check_finite(&matrix)?;
+    let mut values = vec![0f64; n];
+    let requirement = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::No, Par::Seq, Default::default());
+    let mut memory = MemBuffer::new(requirement);
+    let (diagonal, stack) = (DiagMut::from_slice_mut(&mut values), MemStack::new(&mut memory));
+    self_adjoint_evd(lent(&matrix), diagonal, None, Par::Seq, stack, Default::default())
+        .map_err(|_| stuck("eigenvalues"))?;
+    values.reverse();
+    Ok(values)
+}
+
 /// Singular values of `matrix` (m x n) and its right singular vectors: min(m, n) rows of n.
 ///
 /// # Errors
@@ -160,11 +182,11 @@ fn stuck(what: &str) -> Error {
 mod tests {
     use super::*;
 
-    fn matrix(m: usize, n: usize) -> Array2<f64> {
+    pub(super) fn matrix(m: usize, n: usize) -> Array2<f64> {
         Array2::from_shape_fn((m, n), |(i, j)| ((i * 37 + j * 101 + i * j * 13) % 97) as f64 / 48.0 - 1.0)
     }
 
-    fn close(a: &Array2<f64>, b: &Array2<f64>, bound: f64) {
+    pub(super) fn close(a: &Array2<f64>, b: &Array2<f64>, bound: f64) {
         let worst = (a - b).iter().fold(0f64, |worst, d| worst.max(d.abs()));
         assert!(worst <= bound, "{worst:e}");
     }
@@ -192,6 +214,8 @@ mod tests {
         for (m, n) in [(9, 6), (6, 9), (4, 4), (1, 3), (40, 200)] {
             let a = matrix(m, n);
             let (by_svd, by_gram) = (singular(a.view()).unwrap(), eigen(a.t().dot(&a).view()).unwrap());
+            let alone = eigenvalues(a.t().dot(&a).view()).unwrap();
+            assert!(alone.iter().zip(&by_gram.values).all(|(a, v)| (a - v).abs() <= 1e-11 * by_gram.values[0]));
             assert!(by_svd.values.is_sorted_by(|x, y| x >= y) && by_gram.values.is_sorted_by(|x, y| x >= y));
             for (s, square) in by_svd.values.iter().zip(&by_gram.values) {
                 assert!((s * s - square).abs() <= 1e-11 * by_gram.values[0], "{s} {square}");
@@ -229,8 +253,11 @@ mod tests {
         assert!(singular(Array2::zeros((0, 3)).view()).unwrap().values.is_empty());
         for bad in [f64::NAN, f64::INFINITY] {
             assert!(eigen(Array2::from_elem((2, 2), bad).view()).is_err());
+            assert!(eigenvalues(Array2::from_elem((2, 2), bad).view()).is_err());
             assert!(singular(Array2::from_elem((2, 3), bad).view()).is_err());
         }
         assert!(eigen(Array2::zeros((2, 3)).view()).is_err());
+        assert!(eigenvalues(Array2::zeros((2, 3)).view()).is_err());
+        assert!(eigenvalues(Array2::zeros((0, 0)).view()).unwrap().is_empty());
     }
 }
