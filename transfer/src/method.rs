@@ -266,6 +266,10 @@ impl Compressed {
     pub fn layout(&self) -> Layout {
         self.layout
     }
+    /// What the light transform has to say beyond its label: [`LightTransform::note`].
+    pub fn note(&self) -> Option<String> {
+        self.transform.note()
+    }
     /// Everything that a file says before the sections.
     pub fn header(&self) -> Header {
         Header {

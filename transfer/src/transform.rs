@@ -42,6 +42,10 @@ pub trait LightTransform: Send + Sync {
     fn derived_bytes(&self) -> usize {
         0
     }
+    /// What was decided on this basis and is not in the label, in a sentence for the user; `None` where there is nothing to say.
+    fn note(&self) -> Option<String> {
+        None
+    }
     /// Whether rows and lights pass unchanged, so that they need not be copied.
     fn is_identity(&self) -> bool {
         false
