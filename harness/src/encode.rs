@@ -70,7 +70,8 @@ pub fn run(arguments: &Encode) -> anyhow::Result<()> {
     let [memory, file] = [encoded.resident_bytes() as u64, file].map(number::bytes);
     let peak = peak_encode_bytes.map_or("unknown".into(), number::bytes);
     let seconds = number::short(encode_s);
+    let note = encoded.note().map_or(String::new(), |note| format!("\n{note}"));
     terminal::say(format!(
-        "{memory} in memory, {file} on disk, encoded in {seconds} s with at most {peak} beside the matrix"
+        "{memory} in memory, {file} on disk, encoded in {seconds} s with at most {peak} beside the matrix{note}"
     ))
 }

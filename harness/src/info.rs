@@ -47,6 +47,9 @@ pub struct Info {
     pub multiplications: u64,
     /// Additions of the same.
     pub additions: u64,
+    /// What the light transform decided beyond its label; absent where nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
 }
 
 impl Info {
@@ -68,6 +71,7 @@ impl Info {
             sections: sink.sizes().map(|(name, size)| (name.to_string(), size.into())).collect(),
             multiplications: flops.multiplications,
             additions: flops.additions,
+            note: compressed.note(),
         })
     }
 
@@ -89,6 +93,7 @@ impl Info {
         lines.push(format!("file             {}", number::bytes(self.file_bytes)));
         lines.push(format!("multiplications  {}", number::count(self.multiplications)));
         lines.push(format!("additions        {}", number::count(self.additions)));
+        lines.extend(self.note.iter().map(|note| format!("note             {note}")));
         lines.join("\n")
     }
 }

@@ -2,6 +2,7 @@
 
 use prt_bicluster::Bicluster;
 use prt_cpca::{Cpca, Pca, Vq};
+use prt_srbf::Srbf;
 use prt_transfer::compact::Compact;
 use prt_transfer::csr::Csr;
 use prt_transfer::dense::Dense;
@@ -19,6 +20,7 @@ pub fn registry() -> Registry {
         .transform::<Identity>()
         .transform::<Sh>()
         .transform::<Haar>()
+        .transform::<Srbf>()
         .codec::<Dense>()
         .codec::<Csr>()
         .codec::<Compact>()

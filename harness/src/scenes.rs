@@ -4,6 +4,7 @@ use crate::lobe_file;
 use clap::ValueEnum;
 use glam::Vec3;
 use ndarray::Array2;
+use prt_srbf::ScatteredLight;
 use prt_transfer::basis::Direction;
 use prt_transfer::image::Image;
 use prt_transfer::mesh::Mesh;
@@ -78,22 +79,35 @@ fn mesh(scene: &str, vertices: Option<usize>, up: Up) -> Result<Mesh> {
 /// count as they are.
 pub fn light(name: &str, basis: &LightBasis) -> Result<Array2<f32>> {
     if let LightBasis::SphericalHarmonics { order } = *basis {
-        let texels = LightBasis::Cubemap { resolution: PROJECTED };
-        let values = light(name, &texels)?;
-        let mut coefficients = Array2::zeros((basis.lights(), values.ncols()));
-        for (channel, values) in values.columns().into_iter().enumerate() {
-            let projected = sh::project(order, &texels, &values.to_vec())?;
-            coefficients.column_mut(channel).iter_mut().zip(projected).for_each(|(c, p)| *c = p as f32);
-        }
-        return Ok(coefficients);
+        return projected(order, |texels| light(name, texels));
     }
     if Path::new(name).extension().is_none() {
         return lights::find(name)?.environment().texels(basis);
     }
     if is_lobes(name) {
-        return lobe_file::read(Path::new(name))?.texels(basis);
+        return lobe_light(&lobe_file::read(Path::new(name))?, basis);
     }
     resample(&light_image(name)?, basis)
+}
+
+/// A light of lobes in `basis`: lights x channels.
+pub fn lobe_light(light: &ScatteredLight, basis: &LightBasis) -> Result<Array2<f32>> {
+    match *basis {
+        LightBasis::SphericalHarmonics { order } => projected(order, |texels| light.texels(texels)),
+        _ => light.texels(basis),
+    }
+}
+
+/// Spherical harmonics of a light on texels, coefficients x channels.
+fn projected(order: usize, light: impl FnOnce(&LightBasis) -> Result<Array2<f32>>) -> Result<Array2<f32>> {
+    let texels = LightBasis::Cubemap { resolution: PROJECTED };
+    let values = light(&texels)?;
+    let mut coefficients = Array2::zeros((order * order, values.ncols()));
+    for (channel, values) in values.columns().into_iter().enumerate() {
+        let projected = sh::project(order, &texels, &values.to_vec())?;
+        coefficients.column_mut(channel).iter_mut().zip(projected).for_each(|(c, p)| *c = p as f32);
+    }
+    Ok(coefficients)
 }
 
 /// Linear RGB radiance by unit direction.

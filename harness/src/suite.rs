@@ -57,7 +57,7 @@ const RIVALS: [&str; 5] = ["dense", "csr", "compact", "runs", "f16"];
 /// Archives of visibility, which know no other signal.
 const BISCALE_METHODS: [&str; 1] = ["visibility"];
 const QUICK_METHODS: [&str; 4] = ["bicluster", "haar+truncate:terms=16", "haar+truncate:terms=64", "sh:order=5+dense"];
-const METHODS: [&str; 12] = [
+const METHODS: [&str; 15] = [
     "bicluster",
     "bicluster:levels=1",
     "bicluster:max_error=0.01",
@@ -70,6 +70,9 @@ const METHODS: [&str; 12] = [
     "sh:order=3+dense",
     "sh:order=5+dense",
     "sh:order=8+dense",
+    "srbf:centers=162+dense",
+    "srbf+dense",
+    "srbf+f16",
 ];
 /// Vectors and subspaces that samples share.
 const QUICK_CLUSTERS: [&str; 2] = ["pca", "cpca:clusters=16"];
@@ -82,15 +85,16 @@ const CLUSTERS: [&str; 7] = [
     "cpca:clusters=16:mode=adaptive:weights=i16:representatives=i16",
     "cpca:clusters=auto:max_error=1e-2",
 ];
-const FULL_CLUSTERS: [&str; 6] = [
+const FULL_CLUSTERS: [&str; 7] = [
     "vq:clusters=512",
     "pca:components=128",
     "cpca:clusters=64",
     "cpca:clusters=64:mode=iterative",
     "cpca:clusters=64:mode=adaptive",
     "cpca:clusters=64:norm=radiance",
+    "srbf+cpca:clusters=64",
 ];
-const FULL_METHODS: [&str; 10] = [
+const FULL_METHODS: [&str; 11] = [
     "bicluster:objective=flops",
     "bicluster:levels=2",
     "bicluster:levels=1:seeds=random",
@@ -101,6 +105,7 @@ const FULL_METHODS: [&str; 10] = [
     "haar:scale=sphere+truncate:terms=64",
     "haar:scale=sphere+truncate:terms=256",
     "sh:order=10+dense",
+    "srbf:centers=2562+dense",
 ];
 
 /// A dense matrix above this many bytes is not tried: it would measure the machine's swapping.

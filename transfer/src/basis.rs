@@ -16,7 +16,8 @@ use std::str::FromStr;
 /// A direction on the unit sphere, z up: `[x, y, z]`.
 pub type Direction = [f64; 3];
 
-/// The light basis of a transfer matrix's columns. Written as `cubemap:32`, `latlong:64x32`, `sh:5` or `plain:100`.
+/// The light basis of a transfer matrix's columns. Written as `cubemap:32`, `latlong:64x32`, `sh:5`, `lobes:642`,
+/// `lobes:642:orthonormal` or `plain:100`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum LightBasis {
     /// Coefficients without a place on the sphere.
@@ -40,6 +41,13 @@ pub enum LightBasis {
     SphericalHarmonics {
         /// Bands; order² coefficients.
         order: usize,
+    },
+    /// Spherical radial basis functions, of which their own transform knows where they are: what its rows C multiply.
+    Lobes {
+        /// How many.
+        lights: usize,
+        /// Whether columns stand for orthonormal functions of the lobes' span and not for the lobes themselves.
+        orthonormal: bool,
     },
 }
 
@@ -84,7 +92,7 @@ impl LightBasis {
     /// Light coefficients: columns of the matrix.
     pub fn lights(&self) -> usize {
         match *self {
-            LightBasis::Plain { lights } => lights,
+            LightBasis::Plain { lights } | LightBasis::Lobes { lights, .. } => lights,
             LightBasis::Cubemap { resolution } => 6 * resolution * resolution,
             LightBasis::LatLong { width, height } => width * height,
             LightBasis::SphericalHarmonics { order } => order * order,
@@ -147,6 +155,8 @@ impl fmt::Display for LightBasis {
             LightBasis::Cubemap { resolution } => write!(f, "cubemap:{resolution}"),
             LightBasis::LatLong { width, height } => write!(f, "latlong:{width}x{height}"),
             LightBasis::SphericalHarmonics { order } => write!(f, "sh:{order}"),
+            LightBasis::Lobes { lights, orthonormal: false } => write!(f, "lobes:{lights}"),
+            LightBasis::Lobes { lights, orthonormal: true } => write!(f, "lobes:{lights}:orthonormal"),
         }
     }
 }
@@ -158,7 +168,8 @@ impl FromStr for LightBasis {
         let refuse = || Error::Unknown {
             what: "light basis",
             name: text.into(),
-            known: "cubemap:EDGE, latlong:WIDTHxHEIGHT, sh:ORDER, plain:LIGHTS".into(),
+            known: "cubemap:EDGE, latlong:WIDTHxHEIGHT, sh:ORDER, lobes:LIGHTS, lobes:LIGHTS:orthonormal, plain:LIGHTS"
+                .into(),
         };
         let number = |t: &str| {
             t.parse::<usize>().ok().filter(|n| (1..=crate::matrix::MAX_LIGHTS).contains(n)).ok_or_else(refuse)
@@ -167,6 +178,11 @@ impl FromStr for LightBasis {
         let basis = match kind {
             "plain" => LightBasis::Plain { lights: size.parse().map_err(|_| refuse())? },
             "cubemap" => LightBasis::Cubemap { resolution: number(size)? },
+            "lobes" => match size.split_once(':') {
+                None => LightBasis::Lobes { lights: number(size)?, orthonormal: false },
+                Some((size, "orthonormal")) => LightBasis::Lobes { lights: number(size)?, orthonormal: true },
+                Some(_) => return Err(refuse()),
+            },
             "sh" => LightBasis::SphericalHarmonics { order: number(size)? },
             "latlong" => {
                 let (width, height) = size.split_once('x').ok_or_else(refuse)?;
@@ -228,10 +244,12 @@ mod tests {
 
     #[test]
     fn every_basis_reads_back_what_it_prints() {
-        for text in ["cubemap:32", "latlong:64x32", "sh:5", "plain:100"] {
+        for text in ["cubemap:32", "latlong:64x32", "sh:5", "lobes:642", "lobes:12:orthonormal", "plain:100"] {
             assert_eq!(text.parse::<LightBasis>().unwrap().to_string(), text);
         }
-        for text in ["cubemap", "cubemap:0", "cubemap:-1", "sh:9999999", "latlong:3", "x:1", "plain:"] {
+        for text in
+            ["cubemap", "cubemap:0", "cubemap:-1", "sh:9999999", "latlong:3", "x:1", "plain:", "lobes:0", "lobes:9:x"]
+        {
             assert!(text.parse::<LightBasis>().is_err(), "{text}");
         }
     }

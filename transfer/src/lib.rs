@@ -39,6 +39,7 @@ pub mod metric;
 mod narrow;
 pub mod params;
 pub mod progress;
+pub mod quadrature;
 pub mod random;
 pub mod responses;
 pub mod runs;

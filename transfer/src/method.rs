@@ -1,18 +1,21 @@
 //! A method is a light transform and a codec; the registry finds both by the names in a label.
 
+mod rows;
+
+pub use rows::transform_rows;
+
 use crate::basis::LightBasis;
 use crate::codec::{Codec, Encoded, Restore};
 use crate::error::{Error, Result};
 use crate::flops::Flops;
 use crate::label::{Label, Stage};
-use crate::matrix::{Layout, Row, Shape, TransferMatrix, check_apply};
+use crate::matrix::{Layout, Shape, TransferMatrix, check_apply};
 use crate::params::{Field, Params};
 use crate::progress::Progress;
 use crate::responses::ResponseBasis;
 use crate::sections::{Section, Sink, Source};
 use crate::transform::{LightTransform, Transform};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
-use rayon::prelude::*;
 
 /// A transform and a codec with their parameters, ready to encode.
 pub struct Method {
@@ -242,66 +245,6 @@ impl Method {
     }
 }
 
-/// C of T ≈ C·B: sparse where T is.
-pub fn transform_rows(
-    matrix: &TransferMatrix,
-    transform: &dyn LightTransform,
-    progress: &dyn Progress,
-) -> Result<TransferMatrix> {
-    let (rows, basis) = (matrix.rows(), transform.output());
-    let (from, to, responses) = (matrix.lights(), basis.lights(), matrix.shape().responses);
-    progress.start("transform", rows as u64);
-    let row_into = |row: usize, buffer: &mut Vec<f32>, out: &mut [f32]| {
-        if let Row::Dense(values) = matrix.row(row) {
-            transform.row_into(values, out);
-        } else {
-            buffer.resize(from, 0.0);
-            matrix.gather(row, buffer);
-            transform.row_into(buffer, out);
-        }
-        progress.advance(1)
-    };
-    if !matrix.is_sparse() {
-        let mut values = vec![0f32; rows * to];
-        values
-            .par_chunks_mut(to.max(1))
-            .enumerate()
-            .try_for_each_init(Vec::new, |buffer, (row, out)| row_into(row, buffer, out))?;
-        return TransferMatrix::from_dense(values, rows, responses, basis)?.with_responses(matrix.responses().clone());
-    }
-    // Blocks keep the sparse rows in order while threads fill them.
-    const BLOCK: usize = 256;
-    let blocks: Vec<(Vec<usize>, Vec<u32>, Vec<f32>)> = (0..rows.div_ceil(BLOCK))
-        .into_par_iter()
-        .map_init(
-            || (Vec::new(), vec![0f32; to]),
-            |(buffer, out), block| {
-                let (mut lengths, mut columns, mut values) = (Vec::new(), Vec::new(), Vec::new());
-                for row in block * BLOCK..rows.min((block + 1) * BLOCK) {
-                    row_into(row, buffer, out)?;
-                    let before = columns.len();
-                    for (col, value) in out.iter().enumerate().filter(|(_, v)| **v != 0.0) {
-                        columns.push(col as u32);
-                        values.push(*value);
-                    }
-                    lengths.push(columns.len() - before);
-                }
-                Ok((lengths, columns, values))
-            },
-        )
-        .collect::<Result<_>>()?;
-    let mut offsets = vec![0];
-    let (mut columns, mut values) = (Vec::new(), Vec::new());
-    for (lengths, block_columns, block_values) in blocks {
-        for length in lengths {
-            offsets.push(offsets[offsets.len() - 1] + length);
-        }
-        columns.extend(block_columns);
-        values.extend(block_values);
-    }
-    TransferMatrix::from_csr(offsets, columns, values, responses, basis)?.with_responses(matrix.responses().clone())
-}
-
 impl Compressed {
     /// The method's label.
     pub fn label(&self) -> &Label {
@@ -322,6 +265,10 @@ impl Compressed {
     /// How T came.
     pub fn layout(&self) -> Layout {
         self.layout
+    }
+    /// What the light transform has to say beyond its label: [`LightTransform::note`].
+    pub fn note(&self) -> Option<String> {
+        self.transform.note()
     }
     /// Everything that a file says before the sections.
     pub fn header(&self) -> Header {
@@ -361,6 +308,13 @@ impl Compressed {
         let mut transformed = Array2::zeros((self.encoded.shape().lights, lights.ncols()));
         self.transform.light_into(lights, transformed.view_mut());
         self.encoded.apply_into(transformed.view(), out)
+    }
+    /// As [`Compressed::apply_into`], with a light whose coefficients the transform does not have to make: `out` (rows x channels) = C ·
+    /// `coefficients` (C's columns x channels).
+    pub fn apply_coefficients_into(&self, coefficients: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {
+        let shape = Shape { lights: self.encoded.shape().lights, ..self.shape };
+        check_apply(shape, &coefficients, &out)?;
+        self.encoded.apply_into(coefficients, out)
     }
     /// Reconstructs a row of T̃; `out.len()` = lights.
     pub fn row_into(&self, row: usize, out: &mut [f32]) {

@@ -33,7 +33,10 @@ impl Metric {
             }
             _ => None,
         };
-        let orthonormal = matches!(matrix.basis(), LightBasis::SphericalHarmonics { .. });
+        let orthonormal = matches!(
+            matrix.basis(),
+            LightBasis::SphericalHarmonics { .. } | LightBasis::Lobes { orthonormal: true, .. }
+        );
         Ok(Metric { known: orthonormal || weights.is_some(), weights, exit })
     }
 
@@ -108,7 +111,9 @@ mod tests {
 
     #[test]
     fn orthonormal_coordinates_carry_the_metric_and_lead_back() {
-        for (responses, basis) in [("exit:8", "cubemap:2"), ("plain:8", "cubemap:2"), ("exit:8", "sh:3")] {
+        for (responses, basis) in
+            [("exit:8", "cubemap:2"), ("plain:8", "cubemap:2"), ("exit:8", "sh:3"), ("plain:8", "lobes:12:orthonormal")]
+        {
             let basis: LightBasis = basis.parse().unwrap();
             let lights = basis.lights();
             let matrix = TransferMatrix::from_dense(vec![0.0; 8 * lights], 8, 8, basis).unwrap();
@@ -118,8 +123,17 @@ mod tests {
             metric.to_orthonormal(&mut moved, lights);
             let plain: f64 = moved.iter().map(|d| d * d).sum();
             assert!((plain / square - 1.0).abs() < 1e-12, "{responses}: {plain} {square}");
+            assert!(metric.is_known(), "{responses}");
             metric.from_orthonormal(&mut moved, lights);
             assert!(moved.iter().zip(&rows).all(|(a, b)| (a - b).abs() < 1e-9), "{responses}");
+        }
+    }
+
+    #[test]
+    fn columns_of_which_only_their_number_is_known_have_no_metric() {
+        for basis in ["plain:12", "lobes:12"] {
+            let matrix = TransferMatrix::from_dense(vec![1.0; 12], 1, 1, basis.parse().unwrap()).unwrap();
+            assert!(!Metric::of(&matrix).unwrap().is_known(), "{basis}");
         }
     }
 }

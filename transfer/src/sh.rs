@@ -30,9 +30,6 @@ use crate::basis::Direction;
 use crate::error::{Error, Result};
 use std::f64::consts::{PI, SQRT_2};
 
-#[cfg(feature = "scene")]
-pub(crate) use moments::gauss_legendre;
-
 /// Bands that [`Harmonics`] evaluates at most: to here the recurrence is tested (addition theorem to 1e-12).
 pub const MAX_ORDER: usize = 64;
 
@@ -120,8 +117,8 @@ pub fn evaluate(order: usize, direction: Direction, out: &mut [f64]) -> Result<(
 
 #[cfg(test)]
 mod tests {
-    use super::moments::gauss_legendre;
     use super::*;
+    use crate::quadrature::gauss_legendre;
 
     fn at(order: usize, direction: Direction) -> Vec<f64> {
         let mut out = vec![f64::NAN; order * order];

@@ -26,6 +26,12 @@ pub trait LightTransform: Send + Sync {
     fn output(&self) -> LightBasis;
     /// A row of T becomes a row of C.
     fn row_into(&self, row: &[f32], out: &mut [f32]);
+    /// Rows of T (one a row) become rows of C: as [`LightTransform::row_into`] for each, for transforms that do many at once faster.
+    fn rows_into(&self, rows: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
+        for (row, mut out) in rows.outer_iter().zip(out.outer_iter_mut()) {
+            self.row_into(row.as_slice().expect(CONTIGUOUS), out.as_slice_mut().expect(CONTIGUOUS));
+        }
+    }
     /// A row of C becomes a row of T̃ = C·B.
     fn restore_row_into(&self, coefficients: &[f32], out: &mut [f32]);
     /// `out` (C's columns x channels) = B · `lights` (T's columns x channels). Sizes have been checked.
@@ -36,6 +42,10 @@ pub trait LightTransform: Send + Sync {
     fn derived_bytes(&self) -> usize {
         0
     }
+    /// What was decided on this basis and is not in the label, in a sentence for the user; `None` where there is nothing to say.
+    fn note(&self) -> Option<String> {
+        None
+    }
     /// Whether rows and lights pass unchanged, so that they need not be copied.
     fn is_identity(&self) -> bool {
         false
@@ -45,6 +55,8 @@ pub trait LightTransform: Send + Sync {
         let _ = sink;
     }
 }
+
+const CONTIGUOUS: &str = "rows that are transformed are contiguous";
 
 crate::params! {
     /// Columns as they are.

@@ -40,7 +40,8 @@ impl Candidates {
             let bandwidth = kernel.bandwidth_of_spread(spread).clamp(bandwidths[0], bandwidths[1]);
             // Centres of an icosahedron's subdivision are about √(4π/n) apart.
             let wanted = 4.0 * std::f64::consts::PI / (SPACING * spread).powi(2);
-            let centres = icosphere::centers_at_least(wanted as usize).filter(|c| c.len() < own.len());
+            let count = icosphere::COUNTS.into_iter().find(|&n| n as f64 >= wanted && n < own.len());
+            let centres = count.and_then(icosphere::centers);
             let centres = centres.as_deref().unwrap_or(&own);
             lobes.extend(centres.iter().map(|&centre| Lobe { centre, bandwidth }));
             spread *= std::f64::consts::SQRT_2;

@@ -1,10 +1,10 @@
 //! Spherical harmonics restricted to the hemisphere.
 
 use super::Harmonics;
-use super::moments::gauss_legendre;
 use super::triangular::{Lower, Rows};
 use crate::basis::Direction;
 use crate::error::{Error, Result};
+use crate::quadrature::gauss_legendre;
 use std::f64::consts::PI;
 
 /// Spherical harmonics y_i restricted to the hemisphere H: z ≥ 0, where they are not orthonormal.

@@ -1,8 +1,8 @@
 //! Products of spherical harmonics.
 
 use super::Harmonics;
-use super::moments::gauss_legendre;
 use crate::error::Result;
+use crate::quadrature::gauss_legendre;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 

@@ -1,6 +1,6 @@
 //! Integrals over the hemisphere of lights in coordinates of the half vector, in which microfacet lobes are smooth.
 
-use crate::sh::gauss_legendre;
+use crate::quadrature::gauss_legendre;
 use glam::DVec3;
 use std::f64::consts::TAU;
 

@@ -8,7 +8,7 @@
 use super::{check, check_weights};
 use crate::codec::Configure;
 use crate::error::Result;
-use crate::sh::gauss_legendre;
+use crate::quadrature::gauss_legendre;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, TAU};
 

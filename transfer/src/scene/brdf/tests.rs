@@ -1,5 +1,5 @@
 use super::*;
-use crate::sh::gauss_legendre;
+use crate::quadrature::gauss_legendre;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,8 +1,8 @@
 //! A BRDF as an integral operator, in rings of constant cosine and Fourier orders of the azimuth.
 
 use super::Views;
+use crate::quadrature::gauss_legendre;
 use crate::scene::brdf::Brdf;
-use crate::sh::gauss_legendre;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::params::Value;
-use crate::sh::gauss_legendre;
+use crate::quadrature::gauss_legendre;
 use glam::DVec3;
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};

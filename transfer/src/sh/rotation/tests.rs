@@ -1,5 +1,5 @@
 use super::*;
-use crate::sh::moments::gauss_legendre;
+use crate::quadrature::gauss_legendre;
 use crate::sh::{Harmonics, MAX_ORDER};
 use proptest::prelude::*;
 use std::f64::consts::PI;
