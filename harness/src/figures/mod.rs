@@ -7,6 +7,7 @@ mod clustered_pca;
 pub mod outcome;
 pub mod plot;
 pub mod setting;
+mod srbf;
 pub mod stage;
 
 use crate::charts::curves::Curves;
@@ -53,7 +54,7 @@ pub struct Drawing {
 }
 
 /// Every paper.
-pub static PAPERS: [Paper; 1] = [clustered_pca::PAPER];
+pub static PAPERS: [Paper; 2] = [clustered_pca::PAPER, srbf::PAPER];
 
 /// Time for each relighting figure: short, since there are dozens; methods are timed in turn.
 const BUDGET: Duration = Duration::from_millis(20);
@@ -63,13 +64,13 @@ const VERTICES: u32 = 4000;
 /// Arguments of `prt figures`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  prt figures clustered-pca\n  prt figures clustered-pca --assets meshes --figure figure10 --figure table1"
+    after_help = "Examples:\n  prt figures clustered-pca\n  prt figures clustered-pca --assets meshes --figure figure10 --figure table1\n  prt figures srbf --assets lights --figure lights"
 )]
 pub struct Figures {
     /// Which paper's
     #[arg(value_name = "PAPER", value_parser = PossibleValuesParser::new(PAPERS.iter().map(|p| p.name)))]
     pub paper: String,
-    /// Folder of meshes (bunny_35k.ply, dragon_23k.ply, …), with the paper's own settings; built-in scenes and fewer settings where none is given
+    /// Folder of meshes (bunny_35k.ply, dragon_23k.ply, …) or, for srbf, of lights (.exr), with the paper's own settings; built-in scenes and lights and fewer settings where none is given
     #[arg(long, value_name = "DIR", conflicts_with = "vertices")]
     pub assets: Option<PathBuf>,
     /// Vertices of the built-in scenes, about

@@ -13,7 +13,7 @@ use crate::scenes::Up;
 use crate::signal::Spec;
 use prt_transfer::{Quiet, TransferMatrix};
 use std::cell::RefCell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 /// Where meshes come from.
@@ -63,6 +63,14 @@ impl<'a> Stage<'a> {
     /// Whether meshes are about as large as the papers', so that their settings can be taken as they are.
     pub fn is_paper_sized(&self) -> bool {
         matches!(self.meshes, Meshes::Files(_))
+    }
+
+    /// The user's assets, if any.
+    pub fn folder(&self) -> Option<&Path> {
+        match &self.meshes {
+            Meshes::Files(folder) => Some(folder),
+            Meshes::BuiltIn(_) => None,
+        }
     }
 
     /// A signal of a mesh; computed once.

@@ -71,9 +71,17 @@ impl BoundSrbf {
     /// # Errors
     /// As [`linalg::eigenvalues`].
     pub fn condition(&self) -> Result<f64> {
-        let values = linalg::eigenvalues(self.gram().view())?;
-        let (largest, least) = (values[0], values[values.len() - 1]);
+        let [largest, least] = self.extremes()?;
         Ok(if least > 0.0 { largest / least } else { f64::INFINITY })
+    }
+
+    /// The largest and the least eigenvalue of G without the ridge, the latter below 0 by rounding where G is singular.
+    ///
+    /// # Errors
+    /// As [`linalg::eigenvalues`].
+    pub fn extremes(&self) -> Result<[f64; 2]> {
+        let values = linalg::eigenvalues(self.gram().view())?;
+        Ok([values[0], values[values.len() - 1]])
     }
 
     /// How lobes of a light (of the same kernel) become the coefficients that C's columns multiply: lobes x others, in sr.
