@@ -58,7 +58,10 @@ fn a_fitted_light_relights_by_its_lobes_as_by_its_texels_and_turns() {
 fn what_is_no_light_of_lobes_is_refused_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    done(&["precompute", "teapot", "--vertices", "60", "--signal", "diffuse", "--basis", "cubemap:4", "-o", "T.npz"], folder);
+    done(
+        &["precompute", "teapot", "--vertices", "60", "--signal", "diffuse", "--basis", "cubemap:4", "-o", "T.npz"],
+        folder,
+    );
     done(&["encode", "csr", "T.npz", "-o", "T.prt"], folder);
     let lobe = |kernel: &str, bandwidth: &str| {
         format!(r#"{{"kernel":"{kernel}","lobes":[{{"centre":[0,0,1],"bandwidth":{bandwidth},"radiance":[1,1,1]}}]}}"#)

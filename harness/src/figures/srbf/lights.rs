@@ -22,6 +22,10 @@ const BASIS: LightBasis = LightBasis::Cubemap { resolution: 32 };
 /// Lobes of the built-in lights, and of those in a folder.
 const LOBES: [&[usize]; 2] = [&[8, 16, 32, 64], &[8, 16, 32, 64, 128, 162, 256, 512]];
 
+/// Of more lights than a chart has room for there is a table alone, with the paper's number of lobes.
+const CHARTED: usize = 4;
+const PAPER_LOBES: &[usize] = &[162];
+
 /// Bands of harmonics.
 const ORDERS: [usize; 7] = [2, 4, 6, 9, 12, 18, 24];
 
@@ -45,7 +49,8 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         Some(folder) => images(folder)?,
         None => scenes::LIGHTS.map(String::from).to_vec(),
     };
-    let counts = LOBES[usize::from(stage.folder().is_some())];
+    let charted = names.len() <= CHARTED;
+    let counts = if charted { LOBES[usize::from(stage.folder().is_some())] } else { PAPER_LOBES };
     let mut outcomes = Vec::new();
     for name in &names {
         outcomes.extend(of_light(stage, name, counts)?);
@@ -53,7 +58,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     Ok(Drawing {
         text: table(&outcomes),
         tables: vec![("", csv(&outcomes, &stage.machine)?)],
-        chart: Some(chart(&outcomes)),
+        chart: charted.then(|| chart(&outcomes)),
         measured: !outcomes.is_empty(),
     })
 }
@@ -85,11 +90,11 @@ fn of_light(stage: &Stage, name: &str, counts: &[usize]) -> anyhow::Result<Vec<O
         let seconds = began.elapsed().as_secs_f64();
         outcomes.push(outcome(0, NUMBERS[0] * lobes, found.relative_squared_error, seconds));
     }
-    let began = Instant::now();
-    let left = haar(&light)?;
-    let seconds = began.elapsed().as_secs_f64();
-    let coefficients = counts.iter().map(|lobes| lobes * NUMBERS[0] / NUMBERS[1]);
-    outcomes.extend(coefficients.map(|n| outcome(1, NUMBERS[1] * n, left[n], seconds)));
+    for count in counts.iter().map(|lobes| lobes * NUMBERS[0] / NUMBERS[1]) {
+        let began = Instant::now();
+        let error = haar(&light, count)?;
+        outcomes.push(outcome(1, NUMBERS[1] * count, error, began.elapsed().as_secs_f64()));
+    }
     for order in ORDERS {
         let began = Instant::now();
         let error = harmonics(&light, order)?;
@@ -98,42 +103,57 @@ fn of_light(stage: &Stage, name: &str, counts: &[usize]) -> anyhow::Result<Vec<O
     Ok(outcomes)
 }
 
-/// What the n largest Haar coefficients leave over, for every n: they are orthonormal over the sphere, and are kept for all channels at once.
-fn haar(light: &Array2<f32>) -> Result<Vec<f64>> {
-    let haar = Haar::new(HaarParams { scale: Scale::Sphere, ..HaarParams::default() })?.bind(&BASIS)?;
-    let mut coefficients = Array2::zeros((haar.output().lights(), light.ncols()));
-    haar.light_into(light.view(), coefficients.view_mut());
-    let mut squares: Vec<f64> =
-        coefficients.outer_iter().map(|row| row.iter().map(|c| f64::from(*c).powi(2)).sum()).collect();
-    squares.sort_unstable_by(f64::total_cmp);
-    let whole: f64 = squares.iter().sum();
-    // Sums from the smallest on, so that small remainders keep their digits.
-    let mut left = vec![0.0];
-    left.extend(squares.iter().scan(0.0, |sum, square| {
-        *sum += square;
-        Some(*sum / whole)
-    }));
-    left.reverse();
-    Ok(left)
+/// What the `count` largest Haar coefficients leave over, kept for all channels at once: of texels, or of texels times √dω, whichever is
+/// better. The former hold a constant face in one number, the latter are orthonormal over the sphere.
+fn haar(light: &Array2<f32>, count: usize) -> Result<f64> {
+    let errors = [Scale::None, Scale::Sphere].map(|scale| {
+        let haar = Haar::new(HaarParams { scale, ..HaarParams::default() })?.bind(&BASIS)?;
+        let mut coefficients = Array2::zeros((haar.output().lights(), light.ncols()));
+        haar.light_into(light.view(), coefficients.view_mut());
+        let square = |k: usize| coefficients.row(k).iter().map(|c| f64::from(*c).powi(2)).sum::<f64>();
+        let mut order: Vec<(f64, usize)> = (0..coefficients.nrows()).map(|k| (square(k), k)).collect();
+        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        order.iter().skip(count).for_each(|&(_, k)| coefficients.row_mut(k).fill(0.0));
+        // A row is restored with 1/√dω less than a light, where texels are scaled.
+        let angles = BASIS.solid_angles().unwrap_or_default();
+        let mut restored = Array2::zeros(light.raw_dim());
+        for (column, mut out) in coefficients.columns().into_iter().zip(restored.columns_mut()) {
+            let mut row = vec![0f32; BASIS.lights()];
+            haar.restore_row_into(&column.to_vec(), &mut row);
+            let scale = |angle: f64| if scale == Scale::Sphere { angle } else { 1.0 };
+            out.iter_mut().zip(row).zip(&angles).for_each(|((out, v), a)| *out = (f64::from(v) / scale(*a)) as f32);
+        }
+        Ok(relative_error(light, &restored))
+    });
+    let [texels, sphere]: [Result<f64>; 2] = errors;
+    Ok(texels?.min(sphere?))
+}
+
+/// Σ (a - b)² dω / Σ a² dω, all channels together.
+fn relative_error(reference: &Array2<f32>, found: &Array2<f32>) -> f64 {
+    let (mut error, mut whole) = (0.0, 0.0);
+    let angles = BASIS.solid_angles().unwrap_or_default();
+    for ((a, b), angle) in reference.outer_iter().zip(found.outer_iter()).zip(angles) {
+        error += angle * a.iter().zip(&b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>();
+        whole += angle * a.iter().map(|a| f64::from(*a).powi(2)).sum::<f64>();
+    }
+    if error == 0.0 { 0.0 } else { error / whole }
 }
 
 /// What the nearest sum of harmonics leaves over.
 fn harmonics(light: &Array2<f32>, order: usize) -> Result<f64> {
     let sh = Sh::new(ShParams { order })?.bind(&BASIS)?;
     let angles = BASIS.solid_angles().unwrap_or_default();
-    let (mut error, mut whole) = (0.0, 0.0);
-    for channel in light.columns() {
+    let mut found = Array2::zeros(light.raw_dim());
+    for (channel, mut out) in light.columns().into_iter().zip(found.columns_mut()) {
         // A row of moments: radiance times solid angle.
         let moments: Vec<f32> = channel.iter().zip(&angles).map(|(l, a)| (f64::from(*l) * a) as f32).collect();
         let (mut coefficients, mut restored) = (vec![0f32; order * order], vec![0f32; moments.len()]);
         sh.row_into(&moments, &mut coefficients);
         sh.restore_row_into(&coefficients, &mut restored);
-        for ((a, b), angle) in moments.iter().zip(&restored).zip(&angles) {
-            error += (f64::from(*a) - f64::from(*b)).powi(2) / angle;
-            whole += f64::from(*a).powi(2) / angle;
-        }
+        out.iter_mut().zip(restored).zip(&angles).for_each(|((out, m), a)| *out = (f64::from(m) / a) as f32);
     }
-    Ok(error / whole)
+    Ok(relative_error(light, &found))
 }
 
 fn chart(outcomes: &[Outcome]) -> Curves {
@@ -165,14 +185,14 @@ fn lights(outcomes: &[Outcome]) -> Vec<&String> {
     names
 }
 
-/// Each number of lobes beside as many numbers of Haar coefficients.
+/// Each number of lobes beside as many numbers of Haar coefficients and of harmonics.
 fn table(outcomes: &[Outcome]) -> String {
     let find = |method: usize, of: &Outcome| {
         outcomes.iter().find(|o| o.method == method && o.light == of.light && o.numbers == of.numbers)
     };
-    let titles = ["light", "lobes", "numbers", "error", "Haar", "Haar / lobes", "s"];
+    let titles = ["light", "lobes", "numbers", "error", "Haar", "harmonics", "Haar / lobes", "s"];
     let rows = outcomes.iter().filter(|o| o.method == 0).map(|o| {
-        let haar = find(1, o).map(|haar| haar.relative_squared_error);
+        let [haar, harmonics] = [1, 2].map(|method| find(method, o).map(|other| other.relative_squared_error));
         let short = |value: Option<f64>| value.map_or_else(|| "-".into(), number::short);
         vec![
             o.light.clone(),
@@ -180,6 +200,7 @@ fn table(outcomes: &[Outcome]) -> String {
             o.numbers.to_string(),
             number::short(o.relative_squared_error),
             short(haar),
+            short(harmonics),
             short(haar.map(|haar| haar / o.relative_squared_error)),
             number::short(o.seconds),
         ]
@@ -205,12 +226,11 @@ mod tests {
     #[test]
     fn haar_and_harmonics_leave_what_their_coefficients_do_not_hold() {
         let light = scenes::light("room", &BASIS).unwrap();
-        let left = haar(&light).unwrap();
-        assert!((left[0] - 1.0).abs() < 1e-12 && left[BASIS.lights()] == 0.0 && left.is_sorted_by(|a, b| a >= b));
-        // A constant light needs six coefficients, a face's mean each, up to what solid angles differ within a face.
+        let left = [0, 10, 100, 1000, BASIS.lights()].map(|count| haar(&light, count).unwrap());
+        assert!(left[0] == 1.0 && left[4] < 1e-12 && left.is_sorted_by(|a, b| a > b), "{left:?}");
         let errors: Vec<f64> = [1, 3, 6].map(|order| harmonics(&light, order).unwrap()).into();
         assert!(errors.is_sorted_by(|a, b| a > b) && errors[2] > 0.0, "{errors:?}");
         let even = Array2::ones((BASIS.lights(), 3));
-        assert!(harmonics(&even, 1).unwrap() < 1e-10);
+        assert!(harmonics(&even, 1).unwrap() < 1e-10 && haar(&even, 6).unwrap() < 1e-10);
     }
 }
