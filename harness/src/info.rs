@@ -87,8 +87,10 @@ impl Info {
             format!("response basis   {}", self.response_basis),
             format!("resident         {}", number::bytes(self.resident_bytes)),
         ];
+        // In line with the rest, unless a name is longer.
+        let width = self.sections.keys().map(|name| name.len() + 1).fold(15, usize::max);
         for (name, size) in &self.sections {
-            lines.push(format!("  {name:<15}{}", number::bytes(size.as_u64().unwrap_or_default())));
+            lines.push(format!("  {name:<width$}{}", number::bytes(size.as_u64().unwrap_or_default())));
         }
         lines.push(format!("file             {}", number::bytes(self.file_bytes)));
         lines.push(format!("multiplications  {}", number::count(self.multiplications)));

@@ -1,19 +1,11 @@
 //! Lights of lobes as a user meets them: fitted, written, read, turned, relit with.
 
+mod common;
+
+use common::{done, prt};
 use prt_harness::files::read_lights;
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn prt(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_prt")).args(arguments).current_dir(folder).output().expect("prt runs")
-}
-
-fn done(arguments: &[&str], folder: &Path) -> String {
-    let output = prt(arguments, folder);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
 
 /// Σ (a - b)² / Σ b² of two files of responses.
 fn difference(folder: &Path, a: &str, b: &str) -> f64 {

@@ -1,21 +1,10 @@
 //! The program as a user meets it: exit codes, one sentence of failure, files that agree with each other.
 
+mod common;
+
+use common::{done, prt};
 use serde_json::Value;
 use std::path::Path;
-use std::process::{Command, Output};
-
-fn prt(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_prt")).args(arguments).current_dir(folder).output().expect("prt runs")
-}
-
-/// Standard output of a run that must succeed.
-fn done(arguments: &[&str], folder: &Path) -> String {
-    let output = prt(arguments, folder);
-    let errors = String::from_utf8_lossy(&output.stderr).to_string();
-    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {errors}");
-    assert_eq!(errors, "", "quiet where standard error is no terminal");
-    String::from_utf8(output.stdout).unwrap()
-}
 
 /// The one sentence of a run that must fail with this code.
 fn refused(code: i32, arguments: &[&str], folder: &Path) -> String {

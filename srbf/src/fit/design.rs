@@ -38,11 +38,7 @@ pub(super) struct Normal {
 }
 
 /// Work on runs of tiles, in order.
-pub(super) fn in_runs<'t, T: Send>(
-    tiles: usize,
-    runs: usize,
-    work: impl Fn(std::ops::Range<usize>) -> T + Sync + 't,
-) -> Vec<T> {
+pub(super) fn in_runs<T: Send>(tiles: usize, runs: usize, work: impl Fn(std::ops::Range<usize>) -> T + Sync) -> Vec<T> {
     let runs = runs.min(tiles.max(1));
     (0..runs).into_par_iter().map(|run| work(run * tiles / runs..(run + 1) * tiles / runs)).collect()
 }

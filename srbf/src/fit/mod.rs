@@ -44,7 +44,7 @@ pub struct Fit {
 /// What a fit did, and where it stood then.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stage {
-    /// `start`, `grow`, `exchange`, `refine`.
+    /// `start` (before lobes that were not found greedily move), `grow`, `exchange`, `refine`.
     pub name: &'static str,
     /// Texels that the error is taken over.
     pub texels: usize,

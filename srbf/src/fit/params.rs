@@ -39,8 +39,8 @@ prt_transfer::params! {
         starts: Starts = Starts::Greedy,
         /// How they move: gauss-newton, l-bfgs or alternate (the paper's).
         solver: Solver = Solver::GaussNewton,
-        /// Steps of the solver on all lobes: evaluations of the error for gauss-newton and l-bfgs, rounds for alternate. Stages with fewer
-        /// lobes take a third of them.
+        /// Steps of the solver on all lobes: trials of gauss-newton, iterations of l-bfgs, rounds of alternate. Stages with fewer lobes take
+        /// a third of them.
         steps: usize = 60,
         /// Rounds in which the lobes that matter least are moved to where the error is largest; a round that does not pay is undone.
         exchanges: usize = 16,

@@ -52,8 +52,8 @@ impl<'a> Work<'a> {
             Starts::Coverage => coverage::lobes(target, self.params.kernel, bandwidths, count),
             Starts::Random => starts::random(self.params.kernel, bandwidths, count, &mut self.random),
         };
-        self.record("start", target, &lobes);
         if self.params.starts != Starts::Greedy {
+            self.record("start", target, &lobes);
             lobes = self.moved(target, &lobes, bandwidths, steps);
             self.record("grow", target, &lobes);
             progress.advance(count as u64)?;

@@ -1,6 +1,8 @@
 use super::*;
 use crate::legendre::gaussian;
+use crate::lobe::dot;
 use proptest::prelude::*;
+use prt_transfer::quadrature::gauss_legendre;
 
 const POLE: Direction = [0.0, 0.0, 1.0];
 const KERNELS: [Kernel; 2] = [Kernel::Gaussian, Kernel::AbelPoisson];
@@ -21,10 +23,10 @@ fn quadrature(other: f64, widths: [f64; 2], f: impl Fn(Direction) -> f64) -> f64
         }
     }
     borders.sort_by(f64::total_cmp);
-    let least = widths[0].min(widths[1]);
+    let (least, rule) = (widths[0].min(widths[1]), gauss_legendre(12));
     let mut sum = 0.0;
     for ends in borders.windows(2).filter(|ends| ends[1] - ends[0] > 1e-15) {
-        for (x, weight) in GAUSS {
+        for &(x, weight) in &rule {
             let theta = 0.5 * (ends[0] + ends[1]) + 0.5 * x * (ends[1] - ends[0]);
             // The rule around the axis converges faster than any power once its steps are a fraction of the peak's width.
             let steps = (64.0 + 24.0 * theta.sin() / least) as usize;
@@ -38,30 +40,6 @@ fn quadrature(other: f64, widths: [f64; 2], f: impl Fn(Direction) -> f64) -> f64
         }
     }
     sum
-}
-
-/// Nodes and weights of the 12-point Gauss-Legendre rule on [-1, 1].
-const GAUSS: [(f64, f64); 12] = {
-    const HALF: [(f64, f64); 6] = [
-        (0.125_233_408_511_468_9, 0.249_147_045_813_402_8),
-        (0.367_831_498_998_180_2, 0.233_492_536_538_354_8),
-        (0.587_317_954_286_617_5, 0.203_167_426_723_065_92),
-        (0.769_902_674_194_304_7, 0.160_078_328_543_346_22),
-        (0.904_117_256_370_474_9, 0.106_939_325_995_318_43),
-        (0.981_560_634_246_719_2, 0.047_175_336_386_511_83),
-    ];
-    let mut rule = [(0.0, 0.0); 12];
-    let mut i = 0;
-    while i < 6 {
-        rule[2 * i] = HALF[i];
-        rule[2 * i + 1] = (-HALF[i].0, HALF[i].1);
-        i += 1;
-    }
-    rule
-};
-
-fn dot(a: Direction, b: Direction) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// A bandwidth at a share of the range in its coordinate, up to where quadrature in a test is affordable.
