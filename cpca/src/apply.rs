@@ -3,10 +3,10 @@
 use crate::encoded::EncodedCpca;
 use crate::kernel::{self, Products, SPARE};
 use crate::layout::BLOCK;
-use crate::numbers::{Numbers, UNIT};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
 use prt_transfer::kernel::dense;
 use prt_transfer::matrix::check_apply;
+use prt_transfer::numbers::{Numbers, UNIT};
 use prt_transfer::{Count, Flops, NoCount, Result, Shape, Tally};
 use rayon::prelude::*;
 

@@ -7,11 +7,11 @@
 //! the last alone; of equal distances the first cluster has the sample.
 
 use crate::bounds::{Bounds, Workspace};
-use crate::groups::Groups;
 use crate::head::Head;
 use crate::residual::{Residual, explicit};
-use crate::samples::Samples;
 use crate::subspaces::Subspaces;
+use prt_transfer::groups::Groups;
+use prt_transfer::samples::Samples;
 use prt_transfer::{Progress, Result};
 use rayon::prelude::*;
 

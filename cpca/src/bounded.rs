@@ -7,7 +7,7 @@ use crate::codec::Task;
 use crate::encoded::EncodedCpca;
 use crate::engine::{Bargain, Engine, Plan};
 use crate::params::Mode;
-use crate::samples::Samples;
+use prt_transfer::samples::Samples;
 use prt_transfer::{Encoded, Metric, Progress, Result, TransferMatrix};
 use rayon::prelude::*;
 

@@ -5,8 +5,9 @@ use crate::encoded::EncodedCpca;
 use crate::engine::{Clustering, Engine, Plan};
 use crate::finish::finish;
 use crate::model::Model;
-use crate::params::{Allocation, Clusters, CpcaParams, Mode, Norm, PcaParams, Solver, Start, VqParams, Width};
-use crate::samples::Samples;
+use crate::params::{Allocation, Clusters, CpcaParams, Mode, PcaParams, Solver, Start, VqParams};
+use crate::{Norm, Width};
+use prt_transfer::samples::Samples;
 use prt_transfer::{Codec, Configure, Error, Params, Progress, Result, TransferMatrix};
 
 /// Most clusters.

@@ -1,12 +1,12 @@
 //! Clusters and subspaces as they are stored and relit.
 
-use crate::ids::Ids;
 use crate::layout::Layout;
 use crate::model::{Cluster, Model};
-use crate::numbers::Numbers;
-use crate::params::Width;
 use crate::{apply, wire};
 use ndarray::{ArrayView2, ArrayViewMut2};
+use prt_transfer::ids::Ids;
+use prt_transfer::numbers::Numbers;
+use prt_transfer::numbers::Width;
 use prt_transfer::{Encoded, Flops, Restore, Result, Shape, Sink, Source};
 
 /// What `vq`, `pca` and `cpca` make of a matrix: `x_p ≈ x_0 + Σ_j w_p^j x_j` with the mean x_0 and the n'_k components

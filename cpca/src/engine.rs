@@ -1,12 +1,12 @@
 //! From a matrix to clusters: the three modes of the paper, and the smallest model within a bound.
 
 use crate::allocate::{Prices, down_to, price, within};
-use crate::groups::Groups;
 use crate::head::Head;
 use crate::params::{Allocation, Mode, Start};
-use crate::samples::Samples;
 use crate::spectra::{Spectrum, spectra};
 use crate::sweeps::{Search, State};
+use prt_transfer::groups::Groups;
+use prt_transfer::samples::Samples;
 use prt_transfer::{Progress, Result};
 
 /// What the search is asked for.

@@ -1,12 +1,12 @@
 //! The model that is stored: exact means, components and weights of whole samples.
 
 use crate::engine::Clustering;
-use crate::groups::Groups;
 use crate::model::{Cluster, Model};
 use crate::refit::mean;
-use crate::samples::Samples;
 use crate::solver::EigenSolver;
 use ndarray::Array2;
+use prt_transfer::groups::Groups;
+use prt_transfer::samples::Samples;
 use prt_transfer::{Progress, Result, Shape};
 use rayon::prelude::*;
 

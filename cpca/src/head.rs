@@ -3,11 +3,11 @@
 //! With an orthonormal basis of which the first h directions are the head, a vector is its h coordinates and the length of the
 //! rest, its tail. Any orthonormal directions give valid bounds; those of the leading principal components give tight ones.
 
-use crate::samples::Samples;
 use ndarray::{Array2, ArrayView1, ArrayView2, ArrayViewMut2, s};
 use prt_transfer::Result;
 use prt_transfer::linalg;
 use prt_transfer::random::Random;
+use prt_transfer::samples::Samples;
 use rayon::prelude::*;
 
 /// Up to so many dimensions the head is everything.

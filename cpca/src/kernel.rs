@@ -297,7 +297,7 @@ impl WithSimd for Many<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ids::Ids;
+    use prt_transfer::ids::Ids;
     use prt_transfer::{NoCount, Tally};
 
     #[test]

@@ -1,6 +1,6 @@
 //! Where the vectors of a cluster and the weights of a sample lie.
 
-use crate::ids::Ids;
+use prt_transfer::ids::Ids;
 use prt_transfer::sections::broken;
 use prt_transfer::{Result, Shape, Sink, Source};
 

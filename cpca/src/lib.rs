@@ -49,17 +49,17 @@ pub mod d3dx;
 mod encoded;
 mod engine;
 mod finish;
-mod groups;
+
 mod head;
-mod ids;
+
 mod kernel;
 mod layout;
 pub mod model;
-mod numbers;
+
 mod params;
 mod refit;
 mod residual;
-mod samples;
+
 mod shift;
 pub mod solver;
 mod spectra;
@@ -72,4 +72,6 @@ mod wire;
 pub use codec::{Cpca, Pca, Vq};
 pub use encoded::EncodedCpca;
 pub use model::{Cluster, Model};
-pub use params::{Allocation, Clusters, CpcaParams, Mode, Norm, PcaParams, Solver, Start, VqParams, Width};
+pub use params::{Allocation, Clusters, CpcaParams, Mode, PcaParams, Solver, Start, VqParams};
+pub use prt_transfer::numbers::Width;
+pub use prt_transfer::samples::Norm;

@@ -1,6 +1,8 @@
 //! What `vq`, `pca` and `cpca` can be asked for.
 
+use prt_transfer::numbers::Width;
 use prt_transfer::params::Value;
+use prt_transfer::samples::Norm;
 
 prt_transfer::choices! {
     /// How clusters and their subspaces are found.
@@ -49,38 +51,6 @@ prt_transfer::choices! {
         Paper = "paper",
         /// The bytes that it takes, weights and representative.
         Bytes = "bytes",
-    }
-}
-
-prt_transfer::choices! {
-    /// How numbers are stored.
-    pub enum Width {
-        /// Single precision.
-        F32 = "f32",
-        /// Half precision with a scale of its own for each vector of numbers.
-        F16 = "f16",
-        /// 16-bit integers with a scale of their own for each vector of numbers.
-        I16 = "i16",
-    }
-}
-
-impl Width {
-    /// Of one number.
-    pub fn bytes(self) -> usize {
-        match self {
-            Width::F32 => 4,
-            Width::F16 | Width::I16 => 2,
-        }
-    }
-}
-
-prt_transfer::choices! {
-    /// In which coordinates error is measured while compressing.
-    pub enum Norm {
-        /// Of the matrix as it is: the paper's squared error.
-        Coefficients = "coefficients",
-        /// Orthonormal ones on both sides, where they are known: squared error of exit radiance over the hemisphere, of light over the sphere.
-        Radiance = "radiance",
     }
 }
 

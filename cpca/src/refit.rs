@@ -4,10 +4,10 @@
 //! never lose energy of the members, so that every sweep lowers the error. The components that are stored in the end are computed anew
 //! ([`crate::solver`]).
 
-use crate::groups::Groups;
-use crate::samples::Samples;
 use crate::subspaces::{Subspace, Subspaces};
 use ndarray::{Array2, ArrayView2, s};
+use prt_transfer::groups::Groups;
+use prt_transfer::samples::Samples;
 use prt_transfer::{Result, linalg};
 use rayon::prelude::*;
 

@@ -5,11 +5,11 @@
 //! much is split in two, where this saves more than it costs.
 
 use crate::assign;
-use crate::groups::Groups;
 use crate::split::{Halves, halves};
 use crate::subspaces::Subspace;
 use crate::sweeps::{Search, State};
 use prt_transfer::Result;
+use prt_transfer::groups::Groups;
 use rayon::prelude::*;
 
 /// At most such a part of the clusters is dissolved at a time, or all that are empty.

@@ -1,9 +1,9 @@
 //! What each component of each cluster would save.
 
-use crate::groups::Groups;
 use crate::refit::{centred, mean};
-use crate::samples::Samples;
 use ndarray::Array2;
+use prt_transfer::groups::Groups;
+use prt_transfer::samples::Samples;
 use prt_transfer::{Result, linalg};
 use rayon::prelude::*;
 

@@ -2,9 +2,9 @@
 
 use crate::refit::fit;
 use crate::residual::explicit;
-use crate::samples::Samples;
 use crate::subspaces::Subspace;
 use prt_transfer::Result;
+use prt_transfer::samples::Samples;
 
 /// Rounds of two-way LBG within the cluster.
 const ROUNDS: usize = 3;

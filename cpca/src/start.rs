@@ -1,15 +1,15 @@
 //! Where clusters start.
 
-use crate::groups::Groups;
 use crate::head::Head;
 use crate::params::Start;
 use crate::refit::fit;
-use crate::samples::Samples;
 use crate::shift::by_cluster;
 use crate::subspaces::{Subspace, Subspaces};
 use crate::sweeps::Search;
 use prt_transfer::Result;
+use prt_transfer::groups::Groups;
 use prt_transfer::random::Random;
+use prt_transfer::samples::Samples;
 use rayon::prelude::*;
 
 impl Search<'_> {

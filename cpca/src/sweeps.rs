@@ -1,11 +1,11 @@
 //! Sweeps of the generalised LBG algorithm.
 
 use crate::assign::{self, Assignment};
-use crate::groups::Groups;
 use crate::head::Head;
 use crate::refit::refit;
-use crate::samples::Samples;
 use crate::subspaces::{Subspace, Subspaces};
+use prt_transfer::groups::Groups;
+use prt_transfer::samples::Samples;
 use prt_transfer::{Progress, Result};
 
 /// The search for clusters.

@@ -1,10 +1,10 @@
 //! Sections of clustered principal components.
 
 use crate::encoded::{EncodedCpca, vector_of};
-use crate::ids::Ids;
 use crate::layout::Layout;
-use crate::numbers::{Numbers, Sections};
-use crate::params::Width;
+use prt_transfer::ids::Ids;
+use prt_transfer::numbers::Width;
+use prt_transfer::numbers::{Numbers, Sections};
 use prt_transfer::sections::broken;
 use prt_transfer::{Result, Shape, Sink, Source};
 
@@ -29,7 +29,8 @@ pub(crate) fn write(encoded: &EncodedCpca, sink: &mut Sink) {
 /// Reads what [`write`] and [`Layout::write`] wrote.
 pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<EncodedCpca> {
     let header: Vec<u32> = source.take_exact(HEADER, 3)?;
-    let (clusters, widths) = (header[0] as usize, [width(header[1])?, width(header[2])?]);
+    let (clusters, widths) =
+        (header[0] as usize, [Width::of_code(header[1], HEADER)?, Width::of_code(header[2], HEADER)?]);
     // Clusters without numbers would cost a file nothing; samples it had to earn.
     if clusters < shape.samples.min(1) || clusters > shape.samples.max(1) {
         return Err(broken(HEADER, format!("1 to {} clusters, the samples", shape.samples), clusters.to_string()));
@@ -48,11 +49,4 @@ pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<EncodedCpca> {
         false => None,
     };
     Ok(EncodedCpca { shape, layout, ids, representatives, weights, superclusters })
-}
-
-fn width(code: u32) -> Result<Width> {
-    [Width::F32, Width::F16, Width::I16]
-        .into_iter()
-        .find(|&width| width as u32 == code)
-        .ok_or_else(|| broken(HEADER, "widths 0 (f32), 1 (f16) or 2 (i16)", code.to_string()))
 }

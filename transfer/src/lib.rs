@@ -22,7 +22,9 @@ pub mod dense;
 pub mod error;
 pub mod f16;
 pub mod flops;
+pub mod groups;
 pub mod hemisphere;
+pub mod ids;
 #[cfg(any(feature = "io", feature = "scene"))]
 pub mod image;
 #[cfg(feature = "io")]
@@ -37,12 +39,14 @@ pub mod mesh;
 pub mod method;
 pub mod metric;
 mod narrow;
+pub mod numbers;
 pub mod params;
 pub mod progress;
 pub mod quadrature;
 pub mod random;
 pub mod responses;
 pub mod runs;
+pub mod samples;
 #[cfg(feature = "scene")]
 pub mod scene;
 pub mod sections;

@@ -1,12 +1,23 @@
 //! The matrix as points: a vector of responses x lights numbers for each sample.
 
-use crate::params::Norm;
-use prt_transfer::{Metric, Result, TransferMatrix};
+use crate::error::Result;
+use crate::matrix::TransferMatrix;
+use crate::metric::Metric;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
+crate::choices! {
+    /// In which coordinates error is measured while compressing.
+    pub enum Norm {
+        /// Of the matrix as it is: the paper's squared error.
+        Coefficients = "coefficients",
+        /// Orthonormal ones on both sides, where they are known: squared error of exit radiance over the hemisphere, of light over the sphere.
+        Radiance = "radiance",
+    }
+}
+
 /// Samples as vectors in the coordinates in which error is measured, scaled by a power of two to magnitudes around 1.
-pub(crate) struct Samples<'a> {
+pub struct Samples<'a> {
     /// Row-major, count x dimension.
     values: Cow<'a, [f32]>,
     count: usize,
@@ -31,7 +42,7 @@ impl<'a> Samples<'a> {
     ///
     /// # Errors
     /// Responses that do not exist.
-    pub(crate) fn of(matrix: &'a TransferMatrix, norm: Norm) -> Result<Samples<'a>> {
+    pub fn of(matrix: &'a TransferMatrix, norm: Norm) -> Result<Samples<'a>> {
         let metric = norm.metric(matrix)?;
         let (shape, exponent) = (matrix.shape(), exponent(matrix));
         let dimension = shape.responses * shape.lights;
@@ -43,45 +54,48 @@ impl<'a> Samples<'a> {
         Ok(Samples { values, count: shape.samples, dimension, coordinates })
     }
 
-    pub(crate) fn count(&self) -> usize {
+    /// How many.
+    pub fn count(&self) -> usize {
         self.count
     }
 
-    pub(crate) fn dimension(&self) -> usize {
+    /// Numbers of each: responses x lights.
+    pub fn dimension(&self) -> usize {
         self.dimension
     }
 
     /// The same, lent, with no way back to the matrix's coordinates.
-    pub(crate) fn lent(&self) -> Samples<'_> {
+    pub fn lent(&self) -> Samples<'_> {
         let coordinates = Coordinates { metric: None, lights: self.dimension, exponent: 0 };
         let values = Cow::Borrowed(&self.values[..]);
         Samples { values, count: self.count, dimension: self.dimension, coordinates }
     }
 
     /// Row-major, count x dimension.
-    pub(crate) fn values(&self) -> &[f32] {
+    pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    pub(crate) fn row(&self, sample: usize) -> &[f32] {
+    /// The vector of a sample.
+    pub fn row(&self, sample: usize) -> &[f32] {
         &self.values[sample * self.dimension..][..self.dimension]
     }
 
     /// A vector of these coordinates, in place, in the matrix's own.
-    pub(crate) fn restore(&self, vector: &mut [f64]) {
+    pub fn restore(&self, vector: &mut [f64]) {
         if let Some(metric) = &self.coordinates.metric {
             metric.from_orthonormal(vector, self.coordinates.lights);
         }
     }
 
     /// The power of two that samples are multiplied by in the matrix, as a product of two: each keeps numbers around 1 in range.
-    pub(crate) fn scales(&self) -> (f64, f64) {
+    pub fn scales(&self) -> (f64, f64) {
         let half = self.coordinates.exponent / 2;
         (f64::from(half).exp2(), f64::from(self.coordinates.exponent - half).exp2())
     }
 
     /// As many samples in other coordinates of the same distances, with no way back.
-    pub(crate) fn with_values(&self, values: Vec<f32>, dimension: usize) -> Samples<'static> {
+    pub fn with_values(&self, values: Vec<f32>, dimension: usize) -> Samples<'static> {
         let coordinates = Coordinates { metric: None, lights: dimension, exponent: 0 };
         Samples { values: Cow::Owned(values), count: self.count, dimension, coordinates }
     }
@@ -89,7 +103,7 @@ impl<'a> Samples<'a> {
 
 impl Norm {
     /// `None` where error is that of the matrix's elements.
-    pub(crate) fn metric(self, matrix: &TransferMatrix) -> Result<Option<Metric>> {
+    pub fn metric(self, matrix: &TransferMatrix) -> Result<Option<Metric>> {
         match self {
             Norm::Coefficients => Ok(None),
             Norm::Radiance => Ok(Some(Metric::of(matrix)?).filter(Metric::is_known)),

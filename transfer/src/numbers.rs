@@ -1,40 +1,85 @@
 //! Numbers as they are stored: single precision, or 16 bits and a scale for each vector of them.
 
-use crate::params::Width;
+use crate::error::Result;
+use crate::sections::broken;
+use crate::sections::{Sink, Source};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
-use prt_transfer::sections::broken;
-use prt_transfer::{Result, Sink, Source};
 use std::ops::Range;
+
+crate::choices! {
+    /// How numbers are stored.
+    pub enum Width {
+        /// Single precision.
+        F32 = "f32",
+        /// Half precision with a scale of its own for each vector of numbers.
+        F16 = "f16",
+        /// 16-bit integers with a scale of their own for each vector of numbers.
+        I16 = "i16",
+    }
+}
+
+impl Width {
+    /// Of one number.
+    pub fn bytes(self) -> usize {
+        match self {
+            Width::F32 => 4,
+            Width::F16 | Width::I16 => 2,
+        }
+    }
+
+    /// The width that a section `name` gives as a number.
+    ///
+    /// # Errors
+    /// A number of none.
+    pub fn of_code(code: u32, name: &str) -> Result<Width> {
+        [Width::F32, Width::F16, Width::I16]
+            .into_iter()
+            .find(|&width| width as u32 == code)
+            .ok_or_else(|| broken(name, "widths 0 (f32), 1 (f16) or 2 (i16)", code.to_string()))
+    }
+}
 
 /// What 16-bit numbers are multiplied by before a sum, and their scales divided by: terms stay below 2, so that no
 /// light overflows that does not with the decoded numbers, and neither does a scale.
-pub(crate) const UNIT: f32 = 1.0 / 16_384.0;
+pub const UNIT: f32 = 1.0 / 16_384.0;
 
 /// Numbers in vectors, each with a scale: a number is what is stored times the scale of its vector, in `f32` and
 /// exactly.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Numbers {
+pub enum Numbers {
     /// Themselves.
     F32(Vec<f32>),
     /// A scale is a power of two that brings the largest magnitude to [2^14, 2^15): |error| ≤ 2^-11 of the number down
     /// to 2^-28 of that power, 2^-39 of the largest below.
-    F16 { halves: Vec<f16>, scales: Vec<f32> },
+    F16 {
+        /// What is stored.
+        halves: Vec<f16>,
+        /// Of each vector.
+        scales: Vec<f32>,
+    },
     /// A scale has nine significant bits, so that its multiples are exact, and is at most 1 + 2^-8 times the 32767th
     /// part of the largest magnitude: |error| ≤ scale / 2. It is 0 where all numbers are.
-    I16 { codes: Vec<i16>, scales: Vec<f32> },
+    I16 {
+        /// What is stored.
+        codes: Vec<i16>,
+        /// Of each vector.
+        scales: Vec<f32>,
+    },
 }
 
 /// Names of the sections of numbers.
 #[derive(Clone, Copy)]
-pub(crate) struct Sections {
-    pub(crate) numbers: &'static str,
-    pub(crate) scales: &'static str,
+pub struct Sections {
+    /// Of what is stored.
+    pub numbers: &'static str,
+    /// Of the scales.
+    pub scales: &'static str,
 }
 
 impl Numbers {
     /// Stores finite `values`; `vector_of` says for each of them which of `vectors` it belongs to.
-    pub(crate) fn store(
+    pub fn store(
         values: &[f32],
         width: Width,
         vectors: usize,
@@ -55,7 +100,8 @@ impl Numbers {
         }
     }
 
-    pub(crate) fn width(&self) -> Width {
+    /// How they are stored.
+    pub fn width(&self) -> Width {
         match self {
             Numbers::F32(_) => Width::F32,
             Numbers::F16 { .. } => Width::F16,
@@ -63,7 +109,8 @@ impl Numbers {
         }
     }
 
-    pub(crate) fn len(&self) -> usize {
+    /// How many numbers.
+    pub fn len(&self) -> usize {
         match self {
             Numbers::F32(values) => values.len(),
             Numbers::F16 { halves, .. } => halves.len(),
@@ -71,9 +118,14 @@ impl Numbers {
         }
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// What is stored at `at`.
     #[inline(always)]
-    pub(crate) fn stored(&self, at: usize) -> f32 {
+    pub fn stored(&self, at: usize) -> f32 {
         match self {
             Numbers::F32(values) => values[at],
             Numbers::F16 { halves, .. } => halves[at].to_f32(),
@@ -82,7 +134,7 @@ impl Numbers {
     }
 
     /// The scales of all vectors; `None` where numbers are stored as they are.
-    pub(crate) fn scales(&self) -> Option<&[f32]> {
+    pub fn scales(&self) -> Option<&[f32]> {
         match self {
             Numbers::F32(_) => None,
             Numbers::F16 { scales, .. } | Numbers::I16 { scales, .. } => Some(scales),
@@ -90,12 +142,12 @@ impl Numbers {
     }
 
     /// The scale of a vector.
-    pub(crate) fn scale(&self, vector: usize) -> f32 {
+    pub fn scale(&self, vector: usize) -> f32 {
         self.scales().map_or(1.0, |scales| scales[vector])
     }
 
     /// What is stored in a range and `spare` finite numbers more, unpacked into `buffer` unless it is `f32` already.
-    pub(crate) fn unpack<'a>(&'a self, range: Range<usize>, spare: usize, buffer: &'a mut Vec<f32>) -> &'a [f32] {
+    pub fn unpack<'a>(&'a self, range: Range<usize>, spare: usize, buffer: &'a mut Vec<f32>) -> &'a [f32] {
         let (count, longer) = (range.len() + spare, range.start..range.end + spare);
         match self {
             Numbers::F32(values) if longer.end <= values.len() => return &values[longer],
@@ -117,7 +169,7 @@ impl Numbers {
     }
 
     /// All numbers as they are decoded.
-    pub(crate) fn decode(&self, vector_of: impl Iterator<Item = usize>) -> Vec<f32> {
+    pub fn decode(&self, vector_of: impl Iterator<Item = usize>) -> Vec<f32> {
         match self {
             Numbers::F32(values) => values.clone(),
             _ => {
@@ -126,7 +178,8 @@ impl Numbers {
         }
     }
 
-    pub(crate) fn write(&self, sink: &mut Sink, to: Sections) {
+    /// Writes what is stored, and the scales where there are any.
+    pub fn write(&self, sink: &mut Sink, to: Sections) {
         match self {
             Numbers::F32(values) => sink.put(to.numbers, values),
             Numbers::F16 { halves, .. } => sink.put(to.numbers, halves),
@@ -138,7 +191,7 @@ impl Numbers {
     }
 
     /// Reads `count` numbers of `vectors`, checked to decode to finite ones.
-    pub(crate) fn read(
+    pub fn read(
         source: &mut Source,
         from: Sections,
         width: Width,

@@ -1,14 +1,15 @@
 //! The cluster of each sample, in as few bits as their number needs.
 
-use prt_transfer::sections::broken;
-use prt_transfer::{Result, Sink, Source};
+use crate::error::Result;
+use crate::sections::broken;
+use crate::sections::{Sink, Source};
 
 const SECTION: &str = "index/members";
 
 /// Cluster ids of ⌈log2 clusters⌉ bits each, the first in the lowest bits of the first byte; nothing where there is one
 /// cluster.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Ids {
+pub struct Ids {
     bits: u32,
     packed: Vec<u8>,
 }
@@ -20,7 +21,7 @@ fn bits_of(clusters: usize) -> u32 {
 
 impl Ids {
     /// Packs ids, all below `clusters`, of which there are at most 2^32.
-    pub(crate) fn pack(ids: &[u32], clusters: usize) -> Ids {
+    pub fn pack(ids: &[u32], clusters: usize) -> Ids {
         let bits = bits_of(clusters);
         let mut packed = Vec::with_capacity((ids.len() * bits as usize).div_ceil(8));
         let (mut pending, mut filled) = (0u64, 0);
@@ -41,7 +42,7 @@ impl Ids {
 
     /// The id of a sample.
     #[inline]
-    pub(crate) fn at(&self, sample: usize) -> u32 {
+    pub fn at(&self, sample: usize) -> u32 {
         let bit = sample * self.bits as usize;
         let rest = self.packed.get(bit / 8..).unwrap_or_default();
         // An id reaches over at most five bytes.
@@ -53,7 +54,7 @@ impl Ids {
     }
 
     /// The ids of the samples from `first` on.
-    pub(crate) fn fill(&self, first: usize, ids: &mut [u32]) {
+    pub fn fill(&self, first: usize, ids: &mut [u32]) {
         match self.bits {
             0 => ids.fill(0),
             8 => ids.iter_mut().zip(&self.packed[first..]).for_each(|(id, &byte)| *id = byte.into()),
@@ -61,14 +62,15 @@ impl Ids {
         }
     }
 
-    pub(crate) fn write(&self, sink: &mut Sink) {
+    /// Writes them to the section `index/members`.
+    pub fn write(&self, sink: &mut Sink) {
         if self.bits > 0 {
             sink.put(SECTION, &self.packed);
         }
     }
 
     /// The ids of `samples`, checked to be below `clusters`.
-    pub(crate) fn read(source: &mut Source, samples: usize, clusters: usize) -> Result<Ids> {
+    pub fn read(source: &mut Source, samples: usize, clusters: usize) -> Result<Ids> {
         let bits = bits_of(clusters);
         if bits == 0 {
             return Ok(Ids { bits, packed: Vec::new() });

@@ -1,0 +1,3 @@
+//! Tensor approximation of radiance transfer.
+
+pub mod tucker;

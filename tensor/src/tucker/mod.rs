@@ -1,0 +1,1 @@
+//! Tucker decompositions of arrays of any number of modes.
