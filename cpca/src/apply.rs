@@ -4,9 +4,8 @@ use crate::encoded::EncodedCpca;
 use crate::kernel::{self, Products, SPARE};
 use crate::layout::BLOCK;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
-use prt_transfer::kernel::dense;
 use prt_transfer::matrix::check_apply;
-use prt_transfer::numbers::{Numbers, UNIT};
+use prt_transfer::numbers::UNIT;
 use prt_transfer::{Count, Flops, NoCount, Result, Shape, Tally};
 use rayon::prelude::*;
 
@@ -54,12 +53,8 @@ fn project<C: Count>(encoded: &EncodedCpca, lights: ArrayView2<f32>, count: &mut
     let mut products = Array2::zeros((shape.rows(), lights.ncols()));
     let out = products.view_mut();
     count.multiply_add(numbers.len());
-    match numbers {
-        Numbers::F32(values) => dense::apply(values, shape, lights, out)?,
-        Numbers::F16 { halves, .. } => dense::apply_halves(halves, UNIT, shape, lights, out)?,
-        Numbers::I16 { codes, .. } => dense::apply_integers(codes, UNIT, shape, lights, out)?,
-    }
-    let unit = numbers.scales().map_or(1.0, |_| UNIT);
+    numbers.apply_stored(0, shape, lights, out)?;
+    let unit = numbers.unit();
     count.factors((0..numbers.len()).map(|at| numbers.stored(at) * unit));
     let mut products = products.into_raw_vec_and_offset().0;
     let width = shape.responses * lights.ncols();

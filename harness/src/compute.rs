@@ -1,6 +1,7 @@
 //! From a scene and a signal to a transfer matrix.
 
 use crate::files;
+use crate::registry::registry;
 use crate::scenes::{self, Up};
 use crate::signal::{Signal, Spec};
 use glam::DVec3;
@@ -9,14 +10,16 @@ use prt_transfer::scene::biscale::biscale;
 use prt_transfer::scene::bounce::{Bounced, Interreflecting, interreflect};
 use prt_transfer::scene::brdf::Brdf;
 use prt_transfer::scene::bvh::Occluders;
-use prt_transfer::scene::dense::{self, DenseSignal};
+use prt_transfer::scene::dense::{self, DenseSignal, Transformed};
 use prt_transfer::scene::diffuse::Diffuse;
 use prt_transfer::scene::frames::{Frame, vertex_frames};
 use prt_transfer::scene::glossy::{Glossy, GlossyParams};
 use prt_transfer::scene::repair::Repairs;
 use prt_transfer::scene::signal::{Sampling, Surface, Traced};
 use prt_transfer::scene::terms::TermTransfer;
-use prt_transfer::{Error, LightBasis, Progress, ResponseBasis, Result, Shape, TransferMatrix};
+use prt_transfer::{
+    Error, Label, LightBasis, LightTransform, Progress, ResponseBasis, Result, Shape, Stage, TransferMatrix,
+};
 use std::path::Path;
 use std::time::Instant;
 
@@ -114,18 +117,70 @@ impl<'a> Computation<'a> {
     /// Computes a dense signal without bounces into a `.npy` as it goes, so that it never has to be in memory; `None`,
     /// and no file, for any other.
     pub fn write_npy(&self, path: &Path, progress: &dyn Progress) -> Result<Option<Streamed>> {
-        let signal = if self.spec.bounces == 0 { self.dense()? } else { None };
-        let Some(signal) = signal else { return Ok(None) };
-        let shape = dense::shape(&*signal, self.mesh.positions.len())?;
-        let (mut file, mut non_zeros) = (files::dense_writer(path, shape)?, 0);
-        let traced = dense::stream(&*signal, &self.surface(), progress, |rows| {
-            non_zeros += rows.iter().filter(|v| **v != 0.0).count();
+        let Some(signal) = self.unbounced()? else { return Ok(None) };
+        let mut file = files::dense_writer(path, dense::shape(&*signal, self.points())?)?;
+        let streamed = self.stream(&*signal, progress, |rows| file.push_rows(rows))?;
+        file.finish()?;
+        Ok(Some(streamed))
+    }
+
+    /// As [`Computation::write_npy`], the rows as `transform` makes them of the signal's; and the part of their square over the sphere that
+    /// is not in what was written, where the columns of that are orthonormal.
+    pub fn write_transformed(
+        &self,
+        path: &Path,
+        transform: &Stage,
+        progress: &dyn Progress,
+    ) -> Result<(Streamed, Option<f64>)> {
+        let (signal, bound) = self.transformed(transform)?;
+        let transformed = Transformed::new(&*signal, &*bound, self.points());
+        let mut file = files::dense_writer(path, dense::shape(&transformed, self.points())?)?;
+        let mut kept = 0.0;
+        let streamed = self.stream(&transformed, progress, |rows| {
+            kept += square(rows);
             file.push_rows(rows)
         })?;
         file.finish()?;
-        let (basis, responses, repairs) = (signal.basis(), signal.responses(), self.repairs);
+        let orthonormal = matches!(bound.output(), LightBasis::Lobes { orthonormal: true, .. });
+        Ok((streamed, transformed.square().filter(|_| orthonormal).map(|all| (1.0 - kept / all).max(0.0))))
+    }
+
+    /// A signal without bounces and a light transform on its basis.
+    pub fn transformed(&self, transform: &Stage) -> Result<(Box<dyn DenseSignal>, Box<dyn LightTransform>)> {
+        let signal = self.unbounced()?.ok_or_else(|| Error::Unsupported {
+            what: "signal whose rows are transformed as they are computed".into(),
+            expected: "diffuse, glossy or terms without bounces".into(),
+            found: format!("{} with {} bounces", self.spec.signal, self.spec.bounces),
+        })?;
+        let method = registry().method(&Label { transform: transform.clone(), codec: Stage::named("dense") })?;
+        let bound = method.bind(&signal.basis())?;
+        Ok((signal, bound))
+    }
+
+    /// How many points there are.
+    pub fn points(&self) -> usize {
+        self.mesh.positions.len()
+    }
+
+    fn unbounced(&self) -> Result<Option<Box<dyn DenseSignal>>> {
+        if self.spec.bounces == 0 { self.dense() } else { Ok(None) }
+    }
+
+    /// Hands on the rows of every point, and tells what they were.
+    pub fn stream(
+        &self,
+        signal: &dyn DenseSignal,
+        progress: &dyn Progress,
+        mut take: impl FnMut(&[f32]) -> Result<()> + Send,
+    ) -> Result<Streamed> {
+        let mut non_zeros = 0;
+        let traced = dense::stream(signal, &self.surface(), progress, |rows| {
+            non_zeros += rows.iter().filter(|v| **v != 0.0).count();
+            take(rows)
+        })?;
+        let (shape, basis, responses) = (dense::shape(signal, self.points())?, signal.basis(), signal.responses());
         let seconds = self.began.elapsed().as_secs_f64();
-        Ok(Some(Streamed { basis, responses, shape, non_zeros, repairs, traced, seconds }))
+        Ok(Streamed { basis, responses, shape, non_zeros, repairs: self.repairs, traced, seconds })
     }
 
     /// The signal where its rows are dense.
@@ -183,4 +238,8 @@ impl<'a> Computation<'a> {
         let params = GlossyParams { coefficients: *coefficients, incident: *incident, light };
         Glossy::new(params, *coordinates, brdf, &self.sampling())
     }
+}
+
+fn square(rows: &[f32]) -> f64 {
+    rows.iter().map(|v| f64::from(*v).powi(2)).sum()
 }

@@ -32,6 +32,10 @@ pub struct Encode {
     /// What the columns stand for, where the matrix does not say: cubemap:32, latlong:64x32, sh:5 or plain:100
     #[arg(long, value_name = "BASIS")]
     pub basis: Option<LightBasis>,
+    /// The matrix holds what the label's light transform makes of the rows, as prt precompute --transform writes it; --basis is that of the
+    /// lights
+    #[arg(long, requires = "basis")]
+    pub transformed: bool,
     /// Print what was written, as `prt info --json` does, with what encoding took
     #[arg(long)]
     pub json: bool,
@@ -55,10 +59,18 @@ pub fn run(arguments: &Encode) -> anyhow::Result<()> {
     // First, so that a wrong label is told before a large file is read.
     let (registry, bar) = (registry(), Bar::default());
     let method = method(&registry, &arguments.label)?;
-    let description = Description { responses: arguments.responses.clone(), basis: arguments.basis.clone() };
+    let of_lights = arguments.basis.clone().filter(|_| arguments.transformed);
+    let columns = match &of_lights {
+        Some(basis) => Some(method.bind(basis)?.output()),
+        None => arguments.basis.clone(),
+    };
+    let description = Description { responses: arguments.responses.clone(), basis: columns };
     let matrix = files::read_matrix(&arguments.input, &description)?;
     let began = Instant::now();
-    let (encoded, peak_encode_bytes) = memory::peak_of(|| method.encode(&matrix, &bar));
+    let (encoded, peak_encode_bytes) = memory::peak_of(|| match &of_lights {
+        Some(basis) => method.encode_coefficients(&matrix, basis, &bar),
+        None => method.encode(&matrix, &bar),
+    });
     let encode_s = began.elapsed().as_secs_f64();
     drop(bar);
     let encoded = encoded?;

@@ -12,13 +12,13 @@ use prt_transfer::scene::brdf::Brdf;
 use prt_transfer::scene::repair::Repairs;
 use prt_transfer::scene::separable::Terms;
 use prt_transfer::scene::signal::Traced;
-use prt_transfer::{LightBasis, ResponseBasis, Shape};
+use prt_transfer::{LightBasis, ResponseBasis, Shape, Stage};
 use std::path::PathBuf;
 
 /// Arguments of `prt precompute`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  prt precompute teapot --signal biscale -o teapot.npz\n  prt precompute bunny.ply --up y --signal diffuse --basis sh:5 --bounces 2 --brdf lambert:albedo=0.7 -o bunny.npz\n  prt precompute bunny.ply --up y --signal glossy --brdf cook-torrance:roughness=0.2 -o bunny.npz\n  prt precompute bunny.ply --up y --signal terms --terms 16 -o bunny.npy\n\nA .npz says what its rows and columns stand for. A .npy does not, but a signal without bounces is written into it as it is computed and never held as a whole."
+    after_help = "Examples:\n  prt precompute teapot --signal biscale -o teapot.npz\n  prt precompute bunny.ply --up y --signal diffuse --basis sh:5 --bounces 2 --brdf lambert:albedo=0.7 -o bunny.npz\n  prt precompute bunny.ply --up y --signal glossy --brdf cook-torrance:roughness=0.2 -o bunny.npz\n  prt precompute bunny.ply --up y --signal terms --terms 16 -o bunny.npy\n  prt precompute bunny.ply --signal terms --transform srbf -o bunny.npy\n\nA .npz says what its rows and columns stand for. A .npy does not, but a signal without bounces is written into it as it is computed and never held as a whole."
 )]
 pub struct Precompute {
     /// A built-in scene (`prt scenes` lists them) or a mesh (.ply, .obj)
@@ -61,6 +61,10 @@ pub struct Precompute {
     /// Interreflections of diffuse and glossy, gathered with one ray for each texel [default: 0]
     #[arg(long, value_name = "N", value_parser = count(0, 1000))]
     pub bounces: Option<usize>,
+    /// Write the coefficients of a light transform, such as srbf, instead of the rows themselves (.npy, signals without bounces): for
+    /// prt encode --transformed
+    #[arg(long, value_name = "TRANSFORM")]
+    pub transform: Option<Stage>,
     /// Where to write the matrix: .npz or .mtx (sparse), .npy (dense)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
@@ -78,6 +82,8 @@ struct Told {
     repairs: Repairs,
     traced: Traced,
     energies: Vec<f64>,
+    /// What a light transform left out, as a part of the square over the sphere.
+    lost: Option<f64>,
     seconds: f64,
 }
 
@@ -140,20 +146,29 @@ pub fn run(arguments: &Precompute) -> anyhow::Result<()> {
 fn computed(arguments: &Precompute, spec: &Spec, bar: &Bar) -> anyhow::Result<Told> {
     let Precompute { scene, vertices, up, output, .. } = arguments;
     let computation = Computation::new(scene, *vertices, *up, spec)?;
+    if let Some(transform) = &arguments.transform {
+        files::expect_extension(output, "npy")?;
+        let (streamed, lost) = computation.write_transformed(output, transform, bar)?;
+        return Ok(Told { lost, ..Told::of(streamed) });
+    }
     if files::expect_extension(output, "npy").is_ok()
         && let Some(streamed) = computation.write_npy(output, bar)?
     {
-        let Streamed { basis, responses, shape, non_zeros, repairs, traced, seconds } = streamed;
-        return Ok(Told { shape, non_zeros, basis, responses, repairs, traced, energies: vec![], seconds });
+        return Ok(Told::of(streamed));
     }
     let Precomputed { matrix, repairs, traced, energies, seconds } = computation.matrix(bar)?;
     files::write_matrix(output, &matrix)?;
     let (shape, non_zeros) = (matrix.shape(), matrix.non_zeros());
     let (basis, responses) = (matrix.basis().clone(), matrix.responses().clone());
-    Ok(Told { shape, non_zeros, basis, responses, repairs, traced, energies, seconds })
+    Ok(Told { shape, non_zeros, basis, responses, repairs, traced, energies, lost: None, seconds })
 }
 
 impl Told {
+    fn of(streamed: Streamed) -> Told {
+        let Streamed { basis, responses, shape, non_zeros, repairs, traced, seconds } = streamed;
+        Told { shape, non_zeros, basis, responses, repairs, traced, energies: vec![], lost: None, seconds }
+    }
+
     fn rate(&self) -> u64 {
         (self.traced.rays as f64 / self.traced.seconds.max(1e-9)) as u64
     }
@@ -164,6 +179,7 @@ impl Told {
             "samples": shape.samples, "responses": shape.responses, "lights": shape.lights, "basis": self.basis.to_string(),
             "response_basis": self.responses.to_string(), "non_zeros": non_zeros, "rays": traced.rays,
             "rays_per_second_and_core": self.rate(), "repairs": self.repairs.to_string(), "bounce_energies": self.energies,
+            "lost_by_transform": self.lost,
             "seconds": self.seconds, "peak_bytes": peak,
         })
     }
@@ -184,7 +200,15 @@ impl Told {
         terminal::say(format!(
             "{rows} x {lights}, {non_zeros} non-zeros, {rays} rays ({rate} rays/s a core), precomputed in {seconds} s with at most {peak}"
         ))?;
-        if files::expect_extension(&arguments.output, "npz").is_err() {
+        if let (Some(lost), Some(transform)) = (self.lost, &arguments.transform) {
+            terminal::say(format!("{transform} leaves out {} of the square over the sphere", number::short(lost)))?;
+        }
+        if let Some(transform) = &arguments.transform {
+            let (file, responses, basis) = (arguments.output.display(), &self.responses, &arguments.spec()?.basis);
+            terminal::say(format!(
+                "{file} does not say what it holds: prt encode {transform}+CODEC {file} --transformed --responses {responses} --basis {basis} -o FILE.prt"
+            ))?;
+        } else if files::expect_extension(&arguments.output, "npz").is_err() {
             let (file, responses, basis) = (arguments.output.display(), &self.responses, &self.basis);
             terminal::say(format!(
                 "{file} does not say what it holds: read it with --responses {responses} --basis {basis}"

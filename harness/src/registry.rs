@@ -3,6 +3,7 @@
 use prt_bicluster::Bicluster;
 use prt_cpca::{Cpca, Pca, Vq};
 use prt_srbf::Srbf;
+use prt_tensor::Cta;
 use prt_transfer::compact::Compact;
 use prt_transfer::csr::Csr;
 use prt_transfer::dense::Dense;
@@ -32,6 +33,7 @@ pub fn registry() -> Registry {
         .codec::<Vq>()
         .codec::<Pca>()
         .codec::<Cpca>()
+        .codec::<Cta>()
 }
 
 /// The method that a label's text describes.

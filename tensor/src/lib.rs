@@ -1,3 +1,25 @@
 //! Tensor approximation of radiance transfer.
 
+mod apply;
+mod assign;
+mod basis;
+mod codec;
+mod elbg;
+mod encoded;
+mod kernel;
+mod layout;
+mod model;
+mod params;
+mod products;
+mod search;
+mod slabs;
+mod start;
+mod steps;
 pub mod tucker;
+mod wire;
+
+pub use codec::{Approximation, Cta};
+pub use encoded::EncodedCta;
+pub use model::{Cluster, Model};
+pub use params::{CtaParams, Start, Storage};
+pub use search::{Phase, Sweep};

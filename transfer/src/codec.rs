@@ -43,6 +43,11 @@ pub trait Encoded: Send + Sync {
     fn hold(&self, sink: &mut Sink) {
         self.write(sink);
     }
+    /// What was found while compressing and is neither in the label nor in a file, in a sentence for the user; `None` where there is nothing
+    /// to say.
+    fn note(&self) -> Option<String> {
+        None
+    }
 }
 
 /// The way back from sections.

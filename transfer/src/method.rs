@@ -226,22 +226,57 @@ impl Method {
     }
     /// Compresses `matrix`: transforms its rows, then hands them to the codec.
     pub fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Compressed> {
-        let transform = self.transform.bind(matrix.basis())?;
+        let transform = self.bind(matrix.basis())?;
         let encoded = if transform.is_identity() {
             self.codec.encode(matrix, progress)?
         } else {
             self.codec.encode(&transform_rows(matrix, &*transform, progress)?, progress)?
         };
-        Ok(Compressed {
+        Ok(self.compressed(matrix, matrix.basis(), transform, encoded))
+    }
+    /// The light transform on a basis: what makes C's rows of T's.
+    pub fn bind(&self, basis: &LightBasis) -> Result<Box<dyn LightTransform>> {
+        self.transform.bind(basis)
+    }
+    /// As [`Method::encode`] of T, given C of T ≈ C·B: for a T that was transformed row by row and never held as a whole. `basis` is T's.
+    ///
+    /// # Errors
+    /// Coefficients of another number or kind than the transform makes on `basis`.
+    pub fn encode_coefficients(
+        &self,
+        coefficients: &TransferMatrix,
+        basis: &LightBasis,
+        progress: &dyn Progress,
+    ) -> Result<Compressed> {
+        let transform = self.bind(basis)?;
+        if *coefficients.basis() != transform.output() {
+            return Err(Error::Unsupported {
+                what: format!("coefficients of {} on {basis}", self.label.transform),
+                expected: transform.output().to_string(),
+                found: coefficients.basis().to_string(),
+            });
+        }
+        let encoded = self.codec.encode(coefficients, progress)?;
+        Ok(self.compressed(coefficients, basis, transform, encoded))
+    }
+
+    fn compressed(
+        &self,
+        of: &TransferMatrix,
+        basis: &LightBasis,
+        transform: Box<dyn LightTransform>,
+        encoded: Box<dyn Encoded>,
+    ) -> Compressed {
+        Compressed {
             label: self.label.clone(),
             tag: self.codec.tag(),
-            basis: matrix.basis().clone(),
-            responses: matrix.responses().clone(),
-            layout: matrix.layout(),
-            shape: matrix.shape(),
+            basis: basis.clone(),
+            responses: of.responses().clone(),
+            layout: of.layout(),
+            shape: Shape { lights: basis.lights(), ..of.shape() },
             transform,
             encoded,
-        })
+        }
     }
 }
 
@@ -266,9 +301,10 @@ impl Compressed {
     pub fn layout(&self) -> Layout {
         self.layout
     }
-    /// What the light transform has to say beyond its label: [`LightTransform::note`].
+    /// What the light transform and the codec have to say beyond the label: [`LightTransform::note`], [`Encoded::note`].
     pub fn note(&self) -> Option<String> {
-        self.transform.note()
+        let notes: Vec<String> = [self.transform.note(), self.encoded.note()].into_iter().flatten().collect();
+        (!notes.is_empty()).then(|| notes.join("\n"))
     }
     /// Everything that a file says before the sections.
     pub fn header(&self) -> Header {

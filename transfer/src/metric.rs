@@ -69,6 +69,20 @@ impl Metric {
         }
     }
 
+    /// A vector over the lights as [`Metric::from_orthonormal`] takes it back: a sample of one rank, responses ⊗ lights, is taken back factor by
+    /// factor.
+    pub fn lights_from_orthonormal(&self, lights: &mut [f64]) {
+        let count = lights.len();
+        self.each_column(lights, count, |value, weight| *value /= weight.sqrt());
+    }
+
+    /// As [`Metric::lights_from_orthonormal`], a vector over the responses.
+    pub fn responses_from_orthonormal(&self, responses: &mut [f64]) {
+        if let Some(exit) = &self.exit {
+            exit.to_harmonic(responses).expect(WHOLE);
+        }
+    }
+
     /// The squared norm of a sample's rows, responses x lights; they are overwritten.
     pub fn square_of(&self, rows: &mut [f64], lights: usize) -> f64 {
         self.mix_to_orthonormal(rows);

@@ -1,10 +1,13 @@
 //! Numbers as they are stored: single precision, or 16 bits and a scale for each vector of them.
 
 use crate::error::Result;
+use crate::kernel::dense;
+use crate::matrix::Shape;
 use crate::sections::broken;
 use crate::sections::{Sink, Source};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
+use ndarray::{ArrayView2, ArrayViewMut2};
 use std::ops::Range;
 
 crate::choices! {
@@ -100,6 +103,18 @@ impl Numbers {
         }
     }
 
+    /// As [`Numbers::store`] in [`Width::I16`], with steps that are at most those given for each vector, and less only by their rounding to
+    /// nine bits; a step that would take more than 16 bits is as fine as they allow.
+    pub fn store_coarse(values: &[f32], steps: &[f64], vector_of: impl Iterator<Item = usize> + Clone) -> Numbers {
+        let mut scales = vec![0f32; steps.len()];
+        values.iter().zip(vector_of.clone()).for_each(|(v, vector)| scales[vector] = scales[vector].max(v.abs()));
+        for (scale, step) in scales.iter_mut().zip(steps) {
+            *scale = scale_of_codes(*scale).max(scale_of_step(*step));
+        }
+        let codes = values.iter().zip(vector_of).map(|(&v, vector)| code(v, scales[vector])).collect();
+        Numbers::I16 { codes, scales }
+    }
+
     /// How they are stored.
     pub fn width(&self) -> Width {
         match self {
@@ -190,6 +205,33 @@ impl Numbers {
         }
     }
 
+    /// As [`Numbers::write`], the bytes of 16-bit integers apart, the lower ones first: where nearly all upper ones are alike, a file
+    /// shrinks.
+    pub fn write_apart(&self, sink: &mut Sink, to: Sections) {
+        let Numbers::I16 { codes, scales } = self else { return self.write(sink, to) };
+        let bytes = codes.iter().map(|code| code.to_le_bytes());
+        let apart: Vec<u8> = bytes.clone().map(|b| b[0]).chain(bytes.map(|b| b[1])).collect();
+        sink.put(to.numbers, &apart);
+        sink.put(to.scales, scales);
+    }
+
+    /// Reads what [`Numbers::write_apart`] wrote; see [`Numbers::read`].
+    pub fn read_apart(
+        source: &mut Source,
+        from: Sections,
+        width: Width,
+        [count, vectors]: [usize; 2],
+        vector_of: impl Iterator<Item = usize>,
+    ) -> Result<Numbers> {
+        if width != Width::I16 {
+            return Numbers::read(source, from, width, [count, vectors], vector_of);
+        }
+        let apart: Vec<u8> = source.take_exact(from.numbers, count.saturating_mul(2))?;
+        let (low, high) = apart.split_at(count);
+        let codes = low.iter().zip(high).map(|(&low, &high)| i16::from_le_bytes([low, high])).collect();
+        Numbers::I16 { codes, scales: source.take_finite(from.scales, vectors)? }.checked(from, vector_of)
+    }
+
     /// Reads `count` numbers of `vectors`, checked to decode to finite ones.
     pub fn read(
         source: &mut Source,
@@ -209,19 +251,46 @@ impl Numbers {
                 scales: source.take_finite(from.scales, vectors)?,
             },
         };
-        let scales = numbers.scales().unwrap_or_default();
+        numbers.checked(from, vector_of)
+    }
+
+    /// Refuses scales and numbers that do not decode to finite ones.
+    fn checked(self, from: Sections, vector_of: impl Iterator<Item = usize>) -> Result<Numbers> {
+        let scales = self.scales().unwrap_or_default();
         // Divided by the unit a scale must still be finite.
         if let Some(at) = scales.iter().position(|scale| !(0.0..=f32::MAX * UNIT).contains(scale)) {
             let expected = format!("from 0 to {:e}", f32::MAX * UNIT);
             return Err(broken(from.scales, expected, format!("{:e} at position {at}", scales[at])));
         }
-        match vector_of.take(count).enumerate().find(|&(i, vector)| !(numbers.stored(i) * scales[vector]).is_finite()) {
+        match vector_of.take(self.len()).enumerate().find(|&(i, v)| !(self.stored(i) * scales[v]).is_finite()) {
             Some((i, vector)) => {
-                let found = format!("{} times {:e} at position {i}", numbers.stored(i), scales[vector]);
+                let found = format!("{} times {:e} at position {i}", self.stored(i), scales[vector]);
                 Err(broken(from.numbers, "numbers that times their scale are finite", found))
             }
-            None => Ok(numbers),
+            None => Ok(self),
         }
+    }
+
+    /// `out` = the rows from number `first` on, of which `shape` tells how many and how long, times `lights`: of what is stored, so that the
+    /// scales are left to the caller; 16-bit numbers times [`UNIT`].
+    pub fn apply_stored(
+        &self,
+        first: usize,
+        shape: Shape,
+        lights: ArrayView2<f32>,
+        out: ArrayViewMut2<f32>,
+    ) -> Result<()> {
+        let range = first..first + shape.rows() * shape.lights;
+        match self {
+            Numbers::F32(values) => dense::apply(&values[range], shape, lights, out),
+            Numbers::F16 { halves, .. } => dense::apply_halves(&halves[range], UNIT, shape, lights, out),
+            Numbers::I16 { codes, .. } => dense::apply_integers(&codes[range], UNIT, shape, lights, out),
+        }
+    }
+
+    /// What [`Numbers::apply_stored`] multiplies by beside the scale of a vector.
+    pub fn unit(&self) -> f32 {
+        self.scales().map_or(1.0, |_| UNIT)
     }
 }
 
@@ -251,6 +320,15 @@ fn scale_of_codes(largest: f32) -> f32 {
     // Nine bits times the fifteen of a code are the 24 of an f32; nothing is below 2^-149.
     let last_bit = 2f64.powi((magnitude(scale) - 8).max(-149));
     ((scale / last_bit).ceil() * last_bit) as f32
+}
+
+/// At most `step`, in nine bits; 0 where it is none.
+fn scale_of_step(step: f64) -> f32 {
+    if !(step > 0.0 && step < f64::from(f32::MAX * UNIT)) {
+        return 0.0;
+    }
+    let last_bit = 2f64.powi((magnitude(step) - 8).max(-149));
+    ((step / last_bit).floor() * last_bit) as f32
 }
 
 fn code(value: f32, scale: f32) -> i16 {

@@ -88,6 +88,20 @@ impl<'a> Samples<'a> {
         }
     }
 
+    /// As [`Samples::restore`] of a sample responses ⊗ lights, one factor of which this is.
+    pub fn restore_lights(&self, lights: &mut [f64]) {
+        if let Some(metric) = &self.coordinates.metric {
+            metric.lights_from_orthonormal(lights);
+        }
+    }
+
+    /// The other factor.
+    pub fn restore_responses(&self, responses: &mut [f64]) {
+        if let Some(metric) = &self.coordinates.metric {
+            metric.responses_from_orthonormal(responses);
+        }
+    }
+
     /// The power of two that samples are multiplied by in the matrix, as a product of two: each keeps numbers around 1 in range.
     pub fn scales(&self) -> (f64, f64) {
         let half = self.coordinates.exponent / 2;

@@ -6,6 +6,9 @@ use crate::matrix::{Shape, TransferMatrix};
 use crate::progress::Progress;
 use crate::responses::ResponseBasis;
 use crate::scene::signal::{Samples, Surface, Traced, Visible, for_each_point};
+use crate::transform::LightTransform;
+use ndarray::{Array2, ArrayViewMut2};
+use std::sync::OnceLock;
 
 /// A signal with everything that its rows need besides the surface.
 pub trait DenseSignal: Sync {
@@ -17,6 +20,54 @@ pub trait DenseSignal: Sync {
     fn samples(&self) -> &Samples;
     /// The rows of a surface point, responses x lights, into `out`, which holds zeros.
     fn rows_into(&self, surface: &Surface, point: usize, visible: &Visible, out: &mut [f32]) -> Result<()>;
+}
+
+/// A signal in the coordinates of a light transform: the rows of C of T ≈ C·B, point by point, so that T never has to be in memory.
+pub struct Transformed<'a> {
+    signal: &'a dyn DenseSignal,
+    transform: &'a dyn LightTransform,
+    inverse_angles: Option<Vec<f64>>,
+    /// Σ T²/dω of each point that has been computed.
+    squares: Vec<OnceLock<f64>>,
+}
+
+impl<'a> Transformed<'a> {
+    /// `transform` is bound to the signal's basis; so many points will be computed.
+    pub fn new(signal: &'a dyn DenseSignal, transform: &'a dyn LightTransform, points: usize) -> Transformed<'a> {
+        let angles = signal.basis().solid_angles();
+        let inverse_angles = angles.map(|angles| angles.into_iter().map(|a| 1.0 / a).collect());
+        Transformed { signal, transform, inverse_angles, squares: vec![OnceLock::new(); points] }
+    }
+
+    /// Σ T²/dω of all points so far, the square over the sphere, where columns have solid angles. Where the transform is a projection onto
+    /// orthonormal functions it loses as much of it as Σ C² is less.
+    pub fn square(&self) -> Option<f64> {
+        self.inverse_angles.as_ref().map(|_| self.squares.iter().filter_map(OnceLock::get).sum())
+    }
+}
+
+impl DenseSignal for Transformed<'_> {
+    fn basis(&self) -> LightBasis {
+        self.transform.output()
+    }
+    fn responses(&self) -> ResponseBasis {
+        self.signal.responses()
+    }
+    fn samples(&self) -> &Samples {
+        self.signal.samples()
+    }
+    fn rows_into(&self, surface: &Surface, point: usize, visible: &Visible, out: &mut [f32]) -> Result<()> {
+        let (responses, lights) = (self.responses().responses(), self.signal.basis().lights());
+        let mut rows = Array2::<f32>::zeros((responses, lights));
+        self.signal.rows_into(surface, point, visible, rows.as_slice_mut().expect("a fresh array is contiguous"))?;
+        let weight = |k: usize| self.inverse_angles.as_ref().map_or(1.0, |w| w[k]);
+        let square = rows.indexed_iter().map(|((_, k), t)| weight(k) * f64::from(*t).powi(2)).sum();
+        // A point is computed once.
+        let _ = self.squares[point].set(square);
+        let out = ArrayViewMut2::from_shape((responses, self.transform.output().lights()), out);
+        self.transform.rows_into(rows.view(), out.expect("a point's rows of C"));
+        Ok(())
+    }
 }
 
 /// The shape of the matrix at so many points.

@@ -1,0 +1,148 @@
+//! The codec `cta`.
+
+use crate::basis::Ranks;
+use crate::encoded::EncodedCta;
+use crate::model::{Cluster, Model};
+use crate::params::CtaParams;
+use crate::search::{Found, Plan, Sweep, search};
+use crate::slabs::Slabs;
+use ndarray::Array2;
+use prt_transfer::groups::Groups;
+use prt_transfer::samples::Samples;
+use prt_transfer::{Codec, Configure, Params, Progress, Result, TransferMatrix};
+
+/// Most clusters.
+const MAX_CLUSTERS: usize = 1 << 16;
+/// Highest ranks.
+const MAX_RANK: usize = 4096;
+/// Most clusters of a sample.
+const MAX_MEMBERS: usize = 16;
+/// Most sweeps.
+const MAX_SWEEPS: usize = 1000;
+/// Where a model is exact, its numbers may still add this part of the matrix's square.
+const LEAST_ADDED: f64 = 1e-9;
+
+/// Clustered tensor approximation.
+pub struct Cta(CtaParams);
+
+/// A model and how it was found.
+#[derive(Clone, Debug)]
+pub struct Approximation {
+    /// In the coordinates of the matrix.
+    pub model: Model,
+    /// Sweep by sweep.
+    pub history: Vec<Sweep>,
+    /// Whether the search ended by itself, not at the most sweeps.
+    pub converged: bool,
+    /// Squared error Σ(T-T̃)² in the coordinates in which it was minimised, before numbers are stored.
+    pub square: f64,
+}
+
+impl Configure for Cta {
+    type Params = CtaParams;
+    fn new(params: CtaParams) -> Result<Cta> {
+        let in_range = |name: &str, value: usize, least: usize, most: usize| {
+            let fits = (least..=most).contains(&value);
+            if fits { Ok(()) } else { Err(CtaParams::refuse(name, value, format!("from {least} to {most}"))) }
+        };
+        in_range("clusters", params.clusters, 1, MAX_CLUSTERS)?;
+        in_range("view", params.view, 1, MAX_RANK)?;
+        in_range("light", params.light, 1, MAX_RANK)?;
+        in_range("sample", params.sample, 1, MAX_RANK)?;
+        in_range("members", params.members, 1, MAX_MEMBERS)?;
+        in_range("sweeps", params.sweeps, 0, MAX_SWEEPS)?;
+        in_range("refine", params.refine, 1, MAX_SWEEPS)?;
+        if !(params.noise > 0.0 && params.noise <= 1.0) {
+            return Err(CtaParams::refuse("noise", params.noise, "above 0, to 1"));
+        }
+        Ok(Cta(params))
+    }
+    fn params(&self) -> &CtaParams {
+        &self.0
+    }
+}
+
+impl Cta {
+    /// The model of a matrix, and how it was found.
+    ///
+    /// # Errors
+    /// Responses that do not exist, or a search that was cancelled.
+    pub fn approximate(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Approximation> {
+        let shape = matrix.shape();
+        if shape.rows() * shape.lights == 0 {
+            let model = Model::empty(shape);
+            return Ok(Approximation { model, history: Vec::new(), converged: true, square: 0.0 });
+        }
+        let samples = Samples::of(matrix, self.0.norm)?;
+        let tensor = Slabs::lent(samples.values(), [shape.samples, shape.responses, shape.lights]);
+        let CtaParams { clusters, view, light, sample, sweeps, refine, start, seed, .. } = self.0;
+        let ranks = Ranks { light, sample };
+        let found = search(&tensor, &Plan { clusters, view, ranks, sweeps, refine, start, seed }, progress)?;
+        Ok(finish(&samples, &tensor, matrix, found))
+    }
+}
+
+/// The model in the matrix's coordinates.
+fn finish(samples: &Samples, tensor: &Slabs, matrix: &TransferMatrix, found: Found) -> Approximation {
+    let Found { view, bases, members, history, converged } = found;
+    let (of_weights, of_bases) = samples.scales();
+    let reduced = tensor.with_views(view.view());
+    let groups = Groups::of(&members, bases.len());
+    let kept: Vec<usize> = (0..bases.len()).filter(|&k| !groups.of_cluster(k).is_empty()).collect();
+    let mut weights = vec![Vec::new(); members.len()];
+    let mut square: f64 = tensor.squares().iter().sum();
+    let mut clusters = Vec::with_capacity(kept.len());
+    let mut numbers = vec![0u32; bases.len()];
+    for (number, &k) in kept.iter().enumerate() {
+        numbers[k] = number as u32;
+        let of_members = bases[k].weights(&reduced.gathered(groups.of_cluster(k)));
+        square -= of_members.iter().map(|w| f64::from(*w).powi(2)).sum::<f64>();
+        for (row, &sample) in of_members.outer_iter().zip(groups.of_cluster(k)) {
+            weights[sample as usize] = row.iter().map(|w| (f64::from(*w) * of_weights) as f32).collect();
+        }
+        let light = restored(&bases[k].light, of_bases, |row| samples.restore_lights(row));
+        clusters.push(Cluster { light, dual: bases[k].dual.clone() });
+    }
+    let view = restored(&view, 1.0, |row| samples.restore_responses(row)).t().as_standard_layout().into_owned();
+    let view = Some(view).filter(|view| *view != Array2::<f32>::eye(matrix.shape().responses));
+    let members = members.into_iter().map(|k| numbers[k as usize]).collect();
+    let model = Model { shape: matrix.shape(), view, clusters, memberships: 1, members, weights: weights.concat() };
+    let exponent = of_weights * of_bases;
+    Approximation { model, history, converged, square: square.max(0.0) * exponent * exponent }
+}
+
+/// Rows taken back to the coordinates of the matrix.
+fn restored(rows: &Array2<f32>, scale: f64, restore: impl Fn(&mut [f64])) -> Array2<f32> {
+    let mut restored = rows.mapv(f64::from);
+    for mut row in restored.outer_iter_mut() {
+        restore(row.as_slice_mut().expect("rows are contiguous"));
+    }
+    restored.mapv(|v| (v * scale) as f32)
+}
+
+impl Codec for Cta {
+    type Encoded = EncodedCta;
+    fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<EncodedCta> {
+        let found = self.approximate(matrix, progress)?;
+        let whole: f64 = (0..matrix.rows())
+            .map(|row| matrix.row(row).non_zeros().map(|(_, v)| f64::from(v).powi(2)).sum::<f64>())
+            .sum();
+        let added = (self.0.noise * found.square).max(LEAST_ADDED * whole);
+        Ok(EncodedCta::store(&found.model, self.0.numbers, added).with_note(told(&found)))
+    }
+}
+
+/// The search in a sentence.
+fn told(found: &Approximation) -> String {
+    let clusters = found.model.clusters.len();
+    let (Some(first), Some(last)) = (found.history.first(), found.history.last()) else {
+        return format!("{clusters} clusters");
+    };
+    let end = if found.converged { "converged" } else { "not converged: more sweeps or refine would lower it" };
+    format!(
+        "{clusters} clusters in {} sweeps: relative squared error {:.4} after the first, {:.4} after the last, before rounding; {end}",
+        found.history.len(),
+        first.error,
+        last.error
+    )
+}

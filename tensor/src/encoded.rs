@@ -1,0 +1,188 @@
+//! Clusters and their bases as they are stored and relit.
+
+use crate::layout::Layout;
+use crate::model::{Cluster, Model};
+use crate::params::Storage;
+use crate::{apply, steps, wire};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2};
+use prt_transfer::ids::Ids;
+use prt_transfer::numbers::{Numbers, Width};
+use prt_transfer::{Encoded, Flops, Restore, Result, Shape, Sink, Source};
+
+/// What `cta` and `tucker` make of a matrix: `T_x ≈ U_view uf⁻¹(Vᵀ W_x) U_lightᵀ` with the bases of the cluster of sample x (Tsai and Shih
+/// 2006, Eq. 18), or the sum of such terms over the clusters of a sample.
+///
+/// Relighting follows the paper's §6. For each cluster the light meets its light basis, `L' = U_lightᵀ l`, and its dual basis: column j of R
+/// is `uf⁻¹(V_j) L'`. A sample adds up the columns, `R W_x`, and the view basis turns them into responses. With samples x, their m clusters
+/// c(x), K responses and R_view = v that takes, in multiplications and as many additions,
+///
+/// ```text
+/// Σ_c R_light,c (lights + R_vert,c v)  +  Σ_x Σ_c(x) R_vert,c v  +  samples K v
+/// ```
+///
+/// or, where this is less, the view basis meets the columns: `Σ_c R_vert,c v K + Σ_x Σ_c(x) R_vert,c K` in place of the last two terms. A view
+/// basis that is the identity takes nothing. Numbers of 16 bits have a scale for each row of a light basis, each row of a dual basis
+/// and the weights that meet it: `Σ_c R_light,c + R_vert,c (v + 1)` multiplications more.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EncodedCta {
+    pub(crate) shape: Shape,
+    pub(crate) layout: Layout,
+    pub(crate) ids: Ids,
+    /// U_view, responses x R_view; `None` where it is the identity.
+    pub(crate) view: Option<Array2<f32>>,
+    /// Rows of light bases.
+    pub(crate) light: Numbers,
+    /// Rows of dual bases.
+    pub(crate) dual: Numbers,
+    /// Sample after sample. Those that meet one row of a dual basis share a scale.
+    pub(crate) weights: Numbers,
+    pub(crate) note: Option<String>,
+}
+
+impl EncodedCta {
+    /// Stores a model. `added` is what `Storage::Coded` may add to its squared error.
+    ///
+    /// # Panics
+    /// A model that [`Model::check`] refuses.
+    pub fn store(model: &Model, storage: Storage, added: f64) -> EncodedCta {
+        if let Err(error) = model.check() {
+            panic!("no valid model: {error}");
+        }
+        let samples = model.shape.samples;
+        let ids = Ids::pack(&model.members, model.clusters.len());
+        let ranks: Vec<[usize; 2]> = model.clusters.iter().map(|c| [c.light.nrows(), c.dual.nrows()]).collect();
+        let layout = Layout::of(&ranks, model.views(), model.memberships, samples, &ids);
+        let light: Vec<f32> = model.clusters.iter().flat_map(|c| &c.light).copied().collect();
+        let dual: Vec<f32> = model.clusters.iter().flat_map(|c| &c.dual).copied().collect();
+        let of_light = rows_of_lights(layout.end().light, model.shape.lights);
+        let [light, dual, weights] = match width(storage) {
+            Some(width) => [
+                Numbers::store(&light, width, layout.end().light, of_light),
+                Numbers::store(&dual, width, layout.end().sample, layout.rows_of_duals()),
+                Numbers::store(&model.weights, width, layout.end().sample, layout.rows_of_weights(samples, &ids)),
+            ],
+            None => {
+                let steps = steps::of(model, &layout, &ids, added);
+                [
+                    Numbers::store_coarse(&light, &steps.light, of_light),
+                    Numbers::store_coarse(&dual, &steps.dual, layout.rows_of_duals()),
+                    Numbers::store_coarse(&model.weights, &steps.weights, layout.rows_of_weights(samples, &ids)),
+                ]
+            }
+        };
+        EncodedCta { shape: model.shape, layout, ids, view: model.view.clone(), light, dual, weights, note: None }
+    }
+
+    /// The model that is stored, in single precision.
+    pub fn model(&self) -> Model {
+        let samples = self.shape.samples;
+        let light = self.light.decode(rows_of_lights(self.layout.end().light, self.shape.lights));
+        let dual = self.dual.decode(self.layout.rows_of_duals());
+        let cut = |values: &[f32], first: usize, rows: usize, columns: usize| {
+            Array2::from_shape_vec((rows, columns), values[first..first + rows * columns].to_vec()).expect("whole rows")
+        };
+        let cluster = |place: &crate::layout::Place| Cluster {
+            light: cut(&light, place.light * self.shape.lights, place.light_rank, self.shape.lights),
+            dual: cut(&dual, place.dual, place.sample_rank, self.layout.views * place.light_rank),
+        };
+        Model {
+            shape: self.shape,
+            view: self.view.clone(),
+            clusters: self.layout.places().iter().map(cluster).collect(),
+            memberships: self.layout.memberships,
+            members: (0..samples * self.layout.memberships).map(|at| self.ids.at(at)).collect(),
+            weights: self.weights.decode(self.layout.rows_of_weights(samples, &self.ids)),
+        }
+    }
+
+    /// With a sentence for the user.
+    pub(crate) fn with_note(self, note: String) -> EncodedCta {
+        EncodedCta { note: Some(note), ..self }
+    }
+
+    /// What response `response` of a sample is in the light basis of its `nth` cluster: `Σ_j w_j Σ_v U_view[response, v] V_j[v, ·]`.
+    fn in_light_basis(&self, place: &crate::layout::Place, first_weight: usize, response: usize) -> Vec<f64> {
+        let mut sums = vec![0f64; place.light_rank];
+        for j in 0..place.sample_rank {
+            let row = place.sample + j;
+            let weight = f64::from(self.weights.stored(first_weight + j)) * f64::from(self.weights.scale(row));
+            let weight = weight * f64::from(self.dual.scale(row));
+            for v in 0..self.layout.views {
+                let factor = match &self.view {
+                    Some(view) => weight * f64::from(view[[response, v]]),
+                    None if v == response => weight,
+                    None => continue,
+                };
+                let first = place.dual + (j * self.layout.views + v) * place.light_rank;
+                let terms = (first..first + place.light_rank).map(|at| f64::from(self.dual.stored(at)));
+                sums.iter_mut().zip(terms).for_each(|(sum, x)| *sum += factor * x);
+            }
+        }
+        sums
+    }
+}
+
+/// `None` for [`Storage::Coded`].
+fn width(storage: Storage) -> Option<Width> {
+    match storage {
+        Storage::F32 => Some(Width::F32),
+        Storage::F16 => Some(Width::F16),
+        Storage::I16 => Some(Width::I16),
+        Storage::Coded => None,
+    }
+}
+
+/// The row of the light bases that each of their numbers belongs to.
+pub(crate) fn rows_of_lights(rows: usize, lights: usize) -> impl Iterator<Item = usize> + Clone {
+    (0..rows).flat_map(move |row| std::iter::repeat_n(row, lights))
+}
+
+impl Encoded for EncodedCta {
+    fn shape(&self) -> Shape {
+        self.shape
+    }
+    fn apply_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {
+        apply::apply(self, lights, out)
+    }
+    fn row_into(&self, row: usize, out: &mut [f32]) {
+        let (sample, response) = (row / self.shape.responses, row % self.shape.responses);
+        // In double precision, so that no sum of finite numbers overflows on its way.
+        let mut sums = vec![0f64; self.shape.lights];
+        let mut weight = self.layout.first_weight(sample, &self.ids);
+        for nth in 0..self.layout.memberships {
+            let place = self.layout.place(self.ids.at(sample * self.layout.memberships + nth) as usize);
+            for (i, factor) in self.in_light_basis(place, weight, response).into_iter().enumerate() {
+                let row = place.light + i;
+                let factor = factor * f64::from(self.light.scale(row));
+                let first = row * self.shape.lights;
+                let terms = (first..first + self.shape.lights).map(|at| f64::from(self.light.stored(at)));
+                sums.iter_mut().zip(terms).for_each(|(sum, x)| *sum += factor * x);
+            }
+            weight += place.sample_rank;
+        }
+        let (least, most) = (f64::from(f32::MIN), f64::from(f32::MAX));
+        out.iter_mut().zip(sums).for_each(|(y, sum)| *y = sum.clamp(least, most) as f32);
+    }
+    fn flops(&self, light: &[f32]) -> Flops {
+        apply::flops(self, light)
+    }
+    fn write(&self, sink: &mut Sink) {
+        wire::write(self, sink);
+        self.layout.write(sink);
+    }
+    fn hold(&self, sink: &mut Sink) {
+        wire::hold(self, sink);
+        self.layout.hold(sink);
+    }
+    fn note(&self) -> Option<String> {
+        self.note.clone()
+    }
+}
+
+impl Restore for EncodedCta {
+    const TAG: &'static str = "cta.1";
+
+    fn read(shape: Shape, source: &mut Source) -> Result<EncodedCta> {
+        wire::read(shape, source)
+    }
+}
