@@ -2,7 +2,8 @@
 
 use crate::products;
 use crate::slabs::{Slabs, square};
-use ndarray::{Array2, Axis, concatenate, s};
+use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
+use prt_transfer::groups::Groups;
 use rayon::prelude::*;
 
 /// Samples whose products with all clusters are in memory at once, for each thread.
@@ -48,22 +49,84 @@ impl Stacked {
     }
 }
 
+/// Clusters that a sample may move to before all are tried again.
+const CANDIDATES: usize = 8;
+/// Samples that are brought together for a product with one cluster.
+const GATHERED: usize = 64;
+
+/// For each sample the clusters that kept most of it when all were tried, one after the other.
+pub(crate) struct Candidates {
+    each: usize,
+    clusters: Vec<u32>,
+}
+
+impl Candidates {
+    /// Whether the candidates are all clusters there are.
+    pub(crate) fn are_all(&self, clusters: usize) -> bool {
+        self.each == clusters
+    }
+
+    /// As [`assign`] among the candidates.
+    pub(crate) fn assign(&self, slabs: &Slabs, clusters: &Stacked) -> Assignment {
+        let groups = Groups::of(&self.clusters, clusters.len());
+        let kept: Vec<Vec<f64>> = (0..clusters.len())
+            .into_par_iter()
+            .map(|cluster| {
+                let rows = clusters.rows.slice(s![clusters.range(cluster), ..]);
+                let blocks = groups.of_cluster(cluster).chunks(GATHERED);
+                blocks.flat_map(|places| self.kept(slabs, places, rows)).collect()
+            })
+            .collect();
+        let mut all = vec![0f64; self.clusters.len()];
+        for (cluster, kept) in kept.into_iter().enumerate() {
+            groups.of_cluster(cluster).iter().zip(kept).for_each(|(&place, kept)| all[place as usize] = kept);
+        }
+        let best = |(own, kept): (&[u32], &[f64])| {
+            let pairs = own.iter().zip(kept);
+            pairs.fold(
+                (0, -1.0),
+                |best, (&k, &kept)| if kept > best.1 || kept == best.1 && k < best.0 { (k, kept) } else { best },
+            )
+        };
+        let (members, kept) = self.clusters.chunks(self.each).zip(all.chunks(self.each)).map(best).unzip();
+        Assignment { members, kept }
+    }
+
+    /// What a cluster keeps of the samples at some places of the list.
+    fn kept(&self, slabs: &Slabs, places: &[u32], rows: ArrayView2<f32>) -> Vec<f64> {
+        let samples: Vec<u32> = places.iter().map(|place| place / self.each as u32).collect();
+        let products = products::times_transposed(slabs.gathered(&samples).by_sample(), rows);
+        products.outer_iter().map(|row| square(row.to_slice().expect("rows are contiguous"))).collect()
+    }
+}
+
 /// Every sample with the cluster that keeps most of it: ‖T - T̃‖² is what is left, since a cluster's rows are orthonormal.
-pub(crate) fn assign(slabs: &Slabs, clusters: &Stacked) -> Assignment {
+pub(crate) fn assign(slabs: &Slabs, clusters: &Stacked) -> (Assignment, Candidates) {
+    let each = CANDIDATES.min(clusters.len());
     let samples = slabs.by_sample();
-    let blocks: Vec<Vec<(u32, f64)>> = (0..slabs.count.div_ceil(BLOCK))
+    let blocks: Vec<(Vec<f64>, Vec<u32>)> = (0..slabs.count.div_ceil(BLOCK))
         .into_par_iter()
         .map(|block| {
             let numbers = block * BLOCK..slabs.count.min((block + 1) * BLOCK);
             let products = products::times_transposed(samples.slice(s![numbers, ..]), clusters.rows.view());
-            let rows = products.outer_iter();
-            rows.map(|row| {
-                let all = clusters.kept(row.to_slice().expect("rows are contiguous"));
-                all.enumerate().fold((0, -1.0), |best, (k, kept)| if kept > best.1 { (k as u32, kept) } else { best })
-            })
-            .collect()
+            let (mut kept, mut candidates) = (Vec::new(), Vec::new());
+            for row in products.outer_iter() {
+                let row = row.to_slice().expect("rows are contiguous");
+                let mut all: Vec<(f64, u32)> = clusters.kept(row).zip(0..).collect();
+                let descending = |a: &(f64, u32), b: &(f64, u32)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+                if each < all.len() {
+                    all.select_nth_unstable_by(each - 1, descending);
+                    all.truncate(each);
+                }
+                all.sort_unstable_by(descending);
+                kept.push(all[0].0);
+                candidates.extend(all.iter().map(|(_, cluster)| *cluster));
+            }
+            (kept, candidates)
         })
         .collect();
-    let (members, kept) = blocks.into_iter().flatten().unzip();
-    Assignment { members, kept }
+    let (kept, candidates): (Vec<_>, Vec<_>) = blocks.into_iter().unzip();
+    let candidates = Candidates { each, clusters: candidates.concat() };
+    let members = candidates.clusters.iter().step_by(each).copied().collect();
+    (Assignment { members, kept: kept.concat() }, candidates)
 }

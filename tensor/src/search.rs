@@ -1,6 +1,6 @@
 //! The three phases of clustered tensor approximation (Tsai and Shih 2006, §5.2).
 
-use crate::assign::{Assignment, Stacked, assign};
+use crate::assign::{Assignment, Candidates, Stacked, assign};
 use crate::basis::{Basis, Ranks, fit};
 use crate::elbg::elbg;
 use crate::params::Start;
@@ -58,10 +58,10 @@ pub(crate) struct Found {
 }
 
 /// Light coordinates of the clustering phase may leave out this part of the energy.
-const LEFT_OUT: f64 = 1e-3;
+const LEFT_OUT: f64 = 2e-3;
 /// Samples that decide on those coordinates.
 const DECIDING: usize = 4096;
-/// A sweep of approximation that lowers the error by less than this part ends it.
+/// A phase ends with a sweep that lowers the error by less than this part.
 const LITTLE: f64 = 2e-4;
 /// Sweeps of the alternation in each fit of the clustering phase.
 const INNER: usize = 1;
@@ -96,9 +96,7 @@ fn first_view(tensor: &Slabs, rank: usize) -> Result<Array2<f32>> {
 
 /// Light coordinates (a row each) that hold nearly all of some of the samples; `None` where they would hardly be fewer.
 fn light_head(slabs: &Slabs) -> Result<Option<Array2<f32>>> {
-    let stride = slabs.count.div_ceil(DECIDING).max(1);
-    let chosen: Vec<u32> = (0..slabs.count as u32).step_by(stride).collect();
-    let leading = products::leading(slabs.gathered(&chosen).by_light(), slabs.lights)?;
+    let leading = products::leading(slabs.some(DECIDING).by_light(), slabs.lights)?;
     let whole: f64 = leading.squares.iter().sum();
     let mut left = whole;
     let needed = leading.squares.iter().take_while(|square| {
@@ -132,11 +130,16 @@ impl Search<'_> {
         self.history.push(Sweep { phase, rank, error, moved });
     }
 
+    /// Relative squared error behind the last sweep.
+    fn error(&self) -> f64 {
+        self.history.last().map_or(f64::INFINITY, |sweep| sweep.error)
+    }
+
     /// The initialization and the clustering phase.
     fn clustered(&mut self, slabs: &Slabs) -> Result<State> {
         let Plan { clusters, ranks, start, seed, sweeps, .. } = *self.plan;
         let members = match start {
-            Start::Lines => lines(slabs, clusters, seed, self.progress)?.members,
+            Start::Lines => lines(slabs, clusters, seed, self.progress)?,
             Start::Elbg => elbg(slabs, clusters, seed, self.progress)?,
         };
         let clusters = members.iter().max().map_or(1, |last| *last as usize + 1);
@@ -145,19 +148,28 @@ impl Search<'_> {
         let mut changed = vec![true; clusters];
         if start == Start::Lines && sweeps > 0 {
             for rank in std::iter::successors(Some(2), |rank| Some(2 * rank)).take_while(|rank| *rank < ranks.sample) {
-                self.sweep(slabs, &mut state, &mut changed, Ranks { sample: rank, ..ranks })?;
+                self.sweep(slabs, &mut state, &mut changed, Ranks { sample: rank, ..ranks }, &mut None)?;
                 changed.fill(true);
             }
         }
-        let mut moved = usize::from(sweeps == 0);
-        for _ in 0..sweeps {
-            moved = self.sweep(slabs, &mut state, &mut changed, ranks)?;
+        let (mut converged, mut candidates) = (sweeps == 0, None);
+        for sweep in 0..sweeps {
+            if sweep + 1 == sweeps {
+                candidates = None;
+            }
+            let (before, whole) = (self.error(), candidates.is_none());
+            let moved = self.sweep(slabs, &mut state, &mut changed, ranks, &mut candidates)?;
             self.progress.advance(1)?;
-            if moved == 0 {
+            converged = moved == 0 || before - self.error() <= LITTLE * self.error();
+            if converged && (whole || candidates.as_ref().is_some_and(|c| c.are_all(clusters))) {
                 break;
             }
+            if converged {
+                // Among the candidates: once more among all.
+                candidates = None;
+            }
         }
-        self.converged &= moved == 0;
+        self.converged &= converged;
         if sweeps == 0 {
             refit(slabs, &mut state, &changed, ranks, INNER)?;
         }
@@ -165,10 +177,26 @@ impl Search<'_> {
     }
 
     /// Fits the clusters that have changed and moves samples; how many have moved.
-    fn sweep(&mut self, slabs: &Slabs, state: &mut State, changed: &mut [bool], ranks: Ranks) -> Result<usize> {
+    /// With `candidates` they are all that is tried; without, all clusters are, and the best become candidates.
+    fn sweep(
+        &mut self,
+        slabs: &Slabs,
+        state: &mut State,
+        changed: &mut [bool],
+        ranks: Ranks,
+        candidates: &mut Option<Candidates>,
+    ) -> Result<usize> {
         refit(slabs, state, changed, ranks, INNER)?;
         let whole: Vec<Array2<f32>> = state.bases.par_iter().map(|basis| basis.whole(slabs.views)).collect();
-        let mut next = assign(slabs, &Stacked::of(&whole));
+        let stacked = Stacked::of(&whole);
+        let mut next = match candidates {
+            Some(candidates) => candidates.assign(slabs, &stacked),
+            None => {
+                let (next, found) = assign(slabs, &stacked);
+                *candidates = Some(found);
+                next
+            }
+        };
         changed.fill(false);
         fill_empty(slabs, &mut next, state.bases.len());
         let mut moved = 0;
@@ -200,12 +228,11 @@ impl Search<'_> {
             let kept = refit(&reduced, state, &all, self.plan.ranks, 1)?;
             self.push(Phase::Approximation, self.plan.ranks.sample, kept, 0);
             self.progress.advance(1)?;
-            let now = self.history.last().map_or(0.0, |sweep| sweep.error);
-            converged = before - now <= LITTLE * now;
+            converged = before - self.error() <= LITTLE * self.error();
             if converged {
                 break;
             }
-            before = now;
+            before = self.error();
         }
         self.converged &= converged;
         Ok(view)

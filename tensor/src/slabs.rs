@@ -57,6 +57,15 @@ impl<'a> Slabs<'a> {
         Slabs::owned(values, [group.len(), self.views, self.lights])
     }
 
+    /// About so many samples, evenly spread over all; all where there are no more.
+    pub(crate) fn some(&self, count: usize) -> Slabs<'_> {
+        if self.count <= count {
+            return Slabs::lent(&self.values, [self.count, self.views, self.lights]);
+        }
+        let chosen: Vec<u32> = (0..self.count as u32).step_by(self.count.div_ceil(count)).collect();
+        self.gathered(&chosen)
+    }
+
     /// `Σ_x T_x T_xᵀ`, the Gram matrix of mode 1: views x views.
     pub(crate) fn gram_of_views(&self) -> Array2<f64> {
         // Sums of blocks, added in their order.

@@ -1,6 +1,6 @@
 //! Where the search for clusters starts: lines through the origin.
 
-use crate::assign::{Assignment, Stacked, assign};
+use crate::assign::{Stacked, assign};
 use crate::slabs::Slabs;
 use ndarray::{Array2, Axis};
 use prt_transfer::groups::Groups;
@@ -10,25 +10,34 @@ use rayon::prelude::*;
 
 /// Sweeps of lines at most.
 const SWEEPS: usize = 10;
+/// Samples that decide on the lines, all in all and for each cluster.
+const DECIDING: usize = 4096;
+const SAMPLES_OF_EACH: usize = 48;
 
 /// Clusters around lines through the origin, the subspaces of one dimension that keep most: drawn with a probability that grows with what
 /// those drawn before leave of a sample (k-means++), then alternated with their members.
 ///
 /// Samples count as much as each other: every one by its direction.
-pub(crate) fn lines(slabs: &Slabs, clusters: usize, seed: u64, progress: &dyn Progress) -> Result<Assignment> {
+pub(crate) fn lines(slabs: &Slabs, clusters: usize, seed: u64, progress: &dyn Progress) -> Result<Vec<u32>> {
+    let some = slabs.some(DECIDING.max(SAMPLES_OF_EACH * clusters));
+    let lines = alternated(&some, clusters, seed, progress)?;
+    Ok(assign(slabs, &Stacked::of(&lines)).0.members)
+}
+
+fn alternated(slabs: &Slabs, clusters: usize, seed: u64, progress: &dyn Progress) -> Result<Vec<Array2<f32>>> {
     let squares = slabs.squares();
     let scale: Vec<f32> = squares.iter().map(|s| if *s > 0.0 { s.sqrt().recip() as f32 } else { 0.0 }).collect();
     let drawn = draw(slabs, &scale, clusters, seed)?;
     let mut lines: Vec<Array2<f32>> =
         drawn.iter().map(|&sample| direction(slabs, &scale, &[(sample as u32, 1.0)])).collect();
-    let mut state = assign(slabs, &Stacked::of(&lines));
+    let mut state = assign(slabs, &Stacked::of(&lines)).0;
     for _ in 0..SWEEPS {
         let groups = Groups::of(&state.members, lines.len());
         lines = (0..lines.len())
             .into_par_iter()
             .map(|cluster| moved(slabs, &scale, groups.of_cluster(cluster), &lines[cluster]))
             .collect();
-        let next = assign(slabs, &Stacked::of(&lines));
+        let next = assign(slabs, &Stacked::of(&lines)).0;
         progress.advance(1)?;
         let still = next.members == state.members;
         state = next;
@@ -36,7 +45,7 @@ pub(crate) fn lines(slabs: &Slabs, clusters: usize, seed: u64, progress: &dyn Pr
             break;
         }
     }
-    Ok(state)
+    Ok(lines)
 }
 
 /// Samples, no line twice: fewer than asked for where there are no more directions.
