@@ -306,23 +306,29 @@ fn a_sketch_is_as_good_as_all_vectors_where_spectra_decay() {
 }
 
 #[test]
-fn vectors_of_a_large_mode_are_found_by_iterating() {
-    // Both sides above 2048. Singular values 2^-i, and noise.
-    let (m, n, rank) = (2100, 2200, 12);
+fn vectors_of_large_modes_are_found_by_iterating() {
+    // Both sides above 1024, where the Gram matrix is formed, and above 4096, where it is not. Singular values 2^-i.
+    let rank = 12;
     let mut random = Random(9);
     let mut orthonormal = |size: usize| {
         linalg::orthonormal_columns(Array2::from_shape_simple_fn((size, rank), || random.normal()).view())
     };
-    let (u, v) = (orthonormal(m), orthonormal(n));
-    let scaled = Array2::from_shape_fn((m, rank), |(i, j)| u[[i, j]] * 0.5f64.powi(j as i32));
-    let tensor = scaled.dot(&v.t()).mapv(|v| v as f32).into_dyn();
-    let expected: f64 =
-        (6..rank).map(|i| 0.25f64.powi(i as i32)).sum::<f64>() / (0..rank).map(|i| 0.25f64.powi(i as i32)).sum::<f64>();
-    let tucker = given(&tensor, Algorithm::Sequential, &[6, 6]);
-    assert!(tucker.report().converged && (tucker.relative_error() / expected - 1.0).abs() < 1e-5);
-    let tucker = decompose(&tensor, Algorithm::Sequential, Ranks::MaxError(expected * 1.01));
-    assert_eq!(tucker.ranks(), [6, 6]);
-    assert!(tucker.relative_error() <= expected * 1.01);
+    let energy = |range: std::ops::Range<usize>| range.map(|i| 0.25f64.powi(i as i32)).sum::<f64>();
+    let expected = energy(6..rank) / energy(0..rank);
+    for (m, n) in [(1100, 1200), (1300, 1100), (4100, 4150)] {
+        let u = Array2::from_diag(&Array1::from_shape_fn(rank, |i| 0.5f64.powi(i as i32)));
+        let tensor = orthonormal(m).dot(&u).dot(&orthonormal(n).t()).mapv(|v| v as f32);
+        let tensor = tensor.into_shape_with_order(vec![m, 1, n]).unwrap();
+        for (algorithm, ranks) in [
+            (Algorithm::Sequential, Ranks::Given(vec![6, 1, 6])),
+            (Algorithm::Hosvd, Ranks::Given(vec![6, 1, 6])),
+            (Algorithm::Sequential, Ranks::MaxError(expected * 1.01)),
+        ] {
+            let tucker = decompose(&tensor, algorithm, ranks);
+            assert_eq!(tucker.ranks(), [6, 1, 6]);
+            assert!(tucker.report().converged && (tucker.relative_error() / expected - 1.0).abs() < 1e-4);
+        }
+    }
 }
 
 #[test]

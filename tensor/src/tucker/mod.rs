@@ -35,6 +35,7 @@
 
 mod decompose;
 mod hooi;
+mod krylov;
 mod leading;
 mod model;
 mod params;

@@ -7,8 +7,8 @@ pub struct Report {
     pub start: f64,
     /// After each sweep of `Hooi`, before slices are left out for an error bound. Differences from ‖T‖², exact to 1e-14 or so.
     pub sweeps: Vec<f64>,
-    /// False where the last sweep still lowered the error by more than the tolerance, or where singular vectors of a large mode
-    /// (both sides above 2048) were not found to 1e-6 of the energy left out.
+    /// False where the last sweep still lowered the error by more than the tolerance, or where singular vectors of an unfolding
+    /// whose sides are both above 4096 were not found to 1e-6 of the energy left out.
     pub converged: bool,
     /// Sweeps in a row, at most, that lowered the error by more than the tolerance and less than ten times it.
     pub slow: usize,

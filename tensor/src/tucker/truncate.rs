@@ -97,7 +97,7 @@ impl Task<'_> {
                 continue;
             }
             let w = leading::direct(&b, Want { tail: (want.tail - missing).max(0.0), ..want })?.vectors;
-            let vectors = leading::times(q.view(), w.view());
+            let vectors = unfold::times(q.view(), w.view());
             let next = unfold::product(view, mode, w.view());
             return Ok(Some((Leading { vectors, converged: true }, next)));
         }

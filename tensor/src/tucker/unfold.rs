@@ -86,21 +86,23 @@ impl<'a, T: Element> Unfolding<'a, T> {
         energy(&ArrayViewD::from_shape(vec![self.values.len()], self.values).expect("one mode"))
     }
 
-    /// X Xᵀ (rows x rows); its lower half counts.
+    /// X Xᵀ (rows x rows).
     pub(super) fn gram(&self) -> Array2<f64> {
-        self.sum(&self.blocks(), self.rows, self.rows, |_, block, sum| {
+        let half = self.sum(&self.blocks(), self.rows, self.rows, |_, block, sum| {
             let x = self.block(0..self.rows, block);
             add_half_gram(x, !self.is_last(), sum);
-        })
+        });
+        mirrored(half)
     }
 
-    /// Xᵀ X (columns x columns); its lower half counts.
+    /// Xᵀ X (columns x columns).
     pub(super) fn gram_of_columns(&self) -> Array2<f64> {
         let (all, columns) = (self.everything(), self.columns());
-        self.sum(&self.bands(), columns, columns, |_, rows, sum| {
+        let half = self.sum(&self.bands(), columns, columns, |_, rows, sum| {
             let x = self.block(rows.clone(), &all);
             add_half_gram(x, self.is_last(), sum);
-        })
+        });
+        mirrored(half)
     }
 
     /// X Xᵀ Q (rows x k) for Q (rows x k).
@@ -256,6 +258,22 @@ fn add_half_gram(x: Array2<f64>, of_rows: bool, sum: &mut Array2<f64>) {
     }
 }
 
+fn mirrored(mut half: Array2<f64>) -> Array2<f64> {
+    for i in 0..half.nrows() {
+        for j in 0..i {
+            half[[j, i]] = half[[i, j]];
+        }
+    }
+    half
+}
+
+/// A (m x k) · B (k x n).
+pub(super) fn times(a: ArrayView2<f64>, b: ArrayView2<f64>) -> Array2<f64> {
+    let mut out = Array2::zeros((a.nrows(), b.ncols()));
+    linalg::times(a.as_standard_layout().view(), b.as_standard_layout().view(), out.view_mut());
+    out
+}
+
 fn times_transposed(a: &Array2<f64>, b: &Array2<f64>) -> Array2<f64> {
     let mut out = Array2::zeros((a.nrows(), b.nrows()));
     linalg::times_transposed_f64(a.view(), b.view(), out.view_mut());
@@ -337,10 +355,6 @@ mod tests {
         assert!(a.dim() == b.dim() && worst <= 1e-11 * scale, "{worst:e} of {scale:e}");
     }
 
-    fn lower(matrix: Array2<f64>) -> Array2<f64> {
-        Array2::from_shape_fn(matrix.dim(), |(i, j)| if j <= i { matrix[[i, j]] } else { 0.0 })
-    }
-
     #[test]
     fn products_are_those_of_the_unfolding() {
         for tensor in arrays() {
@@ -351,9 +365,9 @@ mod tests {
                 assert_eq!((rows, columns), (unfolding.rows(), unfolding.columns()));
                 assert!((unfolding.energy() - x.iter().map(|v| v * v).sum::<f64>()).abs() <= 1e-11 * x.len() as f64);
                 let gram = x.dot(&x.t());
-                assert_close(&lower(unfolding.gram()), &lower(gram.clone()));
+                assert_close(&unfolding.gram(), &gram);
                 if columns <= 2000 {
-                    assert_close(&lower(unfolding.gram_of_columns()), &lower(x.t().dot(&x)));
+                    assert_close(&unfolding.gram_of_columns(), &x.t().dot(&x));
                 }
                 let test = |rows: usize| Array2::from_shape_fn((rows, 2), |(i, j)| ((i * 7 + j * 3) % 5) as f64 - 2.0);
                 assert_close(&unfolding.gram_times(test(rows).view()), &gram.dot(&test(rows)));
