@@ -346,6 +346,21 @@ fn sequential_truncation_follows_the_order_asked_for() {
 }
 
 #[test]
+fn factors_are_orthonormal_where_singular_values_span_six_decades() {
+    let mut random = Random(6);
+    let left = Array2::from_shape_simple_fn((200, 12), || random.normal());
+    let right = linalg::orthonormal_columns(Array2::from_shape_simple_fn((12, 12), || random.normal()).view());
+    let values = Array2::from_diag(&Array1::from_shape_fn(12, |i| 10f64.powf(-0.5 * i as f64)));
+    let tensor = left.dot(&values).dot(&right).mapv(|v| v as f32).into_shape_with_order(vec![200, 3, 4]).unwrap();
+    for algorithm in ALL {
+        let tucker = given(&tensor, algorithm, &[12, 3, 4]);
+        assert_eq!(tucker.ranks(), [12, 3, 4]);
+        assert_orthonormal(&tucker);
+        assert!(error(&tensor, &tucker) <= 1e-20);
+    }
+}
+
+#[test]
 fn two_modes_are_a_singular_value_decomposition() {
     let tensor = noise(&[9, 14], 0.9, 2);
     let squares = squares(tensor.view(), 0);

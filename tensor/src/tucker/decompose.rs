@@ -55,7 +55,6 @@ impl Decomposer {
             let report = Report { converged: true, ..Report::start(0.0) };
             return Ok(Tucker { model: Model::empty(tensor.shape()), energy, relative_error: 0.0, report });
         }
-        let modes = order.len() as f64;
         let allowance = match self.params.ranks {
             Ranks::Given(_) => ZERO * energy,
             Ranks::MaxError(error) => (error - ZERO) * energy,
@@ -66,25 +65,37 @@ impl Decomposer {
             if self.params.algorithm == Algorithm::Hosvd { task.hosvd()? } else { task.sequential(&order)? };
         let mut report = Report { converged: true, ..Report::start(task.relative(&model)) };
         if self.params.algorithm == Algorithm::Hooi {
-            report = task.improve(&mut model, ZERO * energy / modes)?;
+            report = task.improve(&mut model, ZERO * energy / order.len() as f64)?;
         }
         report.converged &= converged;
-        task.finish(&mut model, ZERO * energy / modes)?;
+        task.finish(&mut model)?;
         let relative_error = task.error(&model);
         Ok(Tucker { model, energy, relative_error, report })
     }
 }
 
 impl Task<'_> {
-    /// The core of orthogonal slices, less slices that the bound leaves room for.
-    fn finish(&self, model: &mut Model, zero: f64) -> Result<()> {
+    /// The core of orthogonal slices, less what the bound leaves room for.
+    fn finish(&self, model: &mut Model) -> Result<()> {
+        let zero = ZERO * self.energy;
         model.turn(zero)?;
-        if let Ranks::MaxError(_) = self.params.ranks {
-            while model.drop_slices(self.allowance - (self.energy - model.energy())) {
-                model.turn(zero)?;
-            }
+        if let Ranks::Given(_) = self.params.ranks {
+            return Ok(());
+        }
+        if self.params.algorithm == Algorithm::Hosvd {
+            // The sum of tails is above the error as a rule: much is left.
+            model.turn(self.room(model))?;
+            model.turn(zero)?;
+        }
+        while model.drop_slices(self.room(model)) {
+            model.turn(zero)?;
         }
         Ok(())
+    }
+
+    /// What may still be left out.
+    fn room(&self, model: &Model) -> f64 {
+        self.allowance - (self.energy - model.energy())
     }
 
     /// ‖T - T̃‖²/‖T‖²: since factors are orthonormal and G the projection of T, 1 - ‖G‖²/‖T‖²; by its definition where that is near 0.

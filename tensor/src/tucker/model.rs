@@ -3,7 +3,7 @@
 use super::leading::{self, Want};
 use super::unfold::{self, Unfolding};
 use ndarray::{Array2, ArrayD, Axis};
-use prt_transfer::{Result, linalg};
+use prt_transfer::Result;
 
 /// T ≈ G ×_1 U_1 … ×_N U_N.
 #[derive(Clone, Debug)]
@@ -27,14 +27,17 @@ impl Model {
     }
 
     /// Turns factors inside of their spans so that the slices of the core in each mode are orthogonal and descend in norm, as
-    /// those of a HOSVD (De Lathauwer et al. 2000a, Theorem 2): by the HOSVD of the core itself. What is left out is below `zero`
-    /// in each mode. Of each column the element of largest magnitude is positive.
-    pub(super) fn turn(&mut self, zero: f64) -> Result<()> {
-        for mode in 0..self.factors.len() {
+    /// those of a HOSVD (De Lathauwer et al. 2000a, Theorem 2): by the sequential HOSVD of the core itself. All modes together
+    /// lose `allowance` at most; where that is more than rounding, slices are orthogonal in the last mode only. Of each column the
+    /// element of largest magnitude is positive.
+    pub(super) fn turn(&mut self, allowance: f64) -> Result<()> {
+        let (modes, start) = (self.factors.len(), self.energy());
+        for mode in 0..modes {
+            let left = (allowance - (start - self.energy())).max(0.0);
+            let want = Want { rank: usize::MAX, tail: left / (modes - mode) as f64 };
             let view = self.core.view();
-            let mut w = leading::direct(&Unfolding::new(&view, mode), Want { rank: usize::MAX, tail: zero })?.vectors;
-            let mut factor = Array2::zeros((self.factors[mode].nrows(), w.ncols()));
-            linalg::times(self.factors[mode].view(), w.view(), factor.view_mut());
+            let mut w = leading::direct(&Unfolding::new(&view, mode), want)?.vectors;
+            let mut factor = unfold::times(self.factors[mode].view(), w.view());
             fix_signs(&mut factor, &mut w);
             self.core = unfold::product(self.core.view(), mode, w.view());
             self.factors[mode] = factor;
