@@ -82,11 +82,6 @@ impl Task<'_> {
         if let Ranks::Given(_) = self.params.ranks {
             return Ok(());
         }
-        if self.params.algorithm == Algorithm::Hosvd {
-            // The sum of tails is above the error as a rule: much is left.
-            model.turn(self.room(model))?;
-            model.turn(zero)?;
-        }
         while model.drop_slices(self.room(model)) {
             model.turn(zero)?;
         }

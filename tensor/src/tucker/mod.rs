@@ -15,6 +15,11 @@
 //! Data are f32; Gram matrices, sums, core and factors f64. Squaring is safe there: what a Gram matrix cannot see, 1e-13 of the
 //! energy, is the rounding of f32 itself. Nothing is unfolded, results are the same on any number of threads.
 //!
+//! Vectors of a mode cost as much as the eigenvectors of a matrix of its size, or of the product of the others where that is smaller:
+//! 0.3 s at 1024, some 10 s at 3300. From 1024 on iterating comes first where at most a sixteenth of them is wanted: it finds those of
+//! a spectrum that decays. Where it does not end all are computed; but above 4096, where ranks are given, what it found is taken and
+//! [`Report::converged`] is false.
+//!
 //! ```
 //! use ndarray::Array3;
 //! use prt_tensor::tucker::{Decomposer, Ranks, TuckerParams};

@@ -2,8 +2,11 @@
 
 use super::leading::{self, Want};
 use super::unfold::{self, Unfolding};
-use ndarray::{Array2, ArrayD, Axis};
+use ndarray::{Array2, ArrayD, ArrayViewD, Axis};
 use prt_transfer::Result;
+
+/// Slices of up to so many times the least energy are dropped with it.
+const ALIKE: f64 = 1.5;
 
 /// T ≈ G ×_1 U_1 … ×_N U_N.
 #[derive(Clone, Debug)]
@@ -27,14 +30,11 @@ impl Model {
     }
 
     /// Turns factors inside of their spans so that the slices of the core in each mode are orthogonal and descend in norm, as
-    /// those of a HOSVD (De Lathauwer et al. 2000a, Theorem 2): by the sequential HOSVD of the core itself. All modes together
-    /// lose `allowance` at most; where that is more than rounding, slices are orthogonal in the last mode only. Of each column the
-    /// element of largest magnitude is positive.
-    pub(super) fn turn(&mut self, allowance: f64) -> Result<()> {
-        let (modes, start) = (self.factors.len(), self.energy());
-        for mode in 0..modes {
-            let left = (allowance - (start - self.energy())).max(0.0);
-            let want = Want { rank: usize::MAX, tail: left / (modes - mode) as f64 };
+    /// those of a HOSVD (De Lathauwer et al. 2000a, Theorem 2): by the sequential HOSVD of the core itself, which loses `zero` at
+    /// most. Of each column the element of largest magnitude is positive.
+    pub(super) fn turn(&mut self, zero: f64) -> Result<()> {
+        let want = Want { rank: usize::MAX, tail: zero / self.factors.len() as f64 };
+        for mode in 0..self.factors.len() {
             let view = self.core.view();
             let mut w = leading::direct(&Unfolding::new(&view, mode), want)?.vectors;
             let mut factor = unfold::times(self.factors[mode].view(), w.view());
@@ -45,32 +45,40 @@ impl Model {
         Ok(())
     }
 
-    /// Leaves out slices of the core whose energy is below what is left of `allowance`, first the one that saves most numbers for
-    /// its energy. True where there was one.
+    /// Leaves out slices of the core whose energy fits into `allowance`, those first that save most numbers for their energy, until
+    /// none fits. True where there was one.
     pub(super) fn drop_slices(&mut self, mut allowance: f64) -> bool {
         let mut dropped = false;
-        while let Some((mode, slice, energy)) = self.cheapest(allowance) {
-            let keep: Vec<usize> = (0..self.core.shape()[mode]).filter(|i| *i != slice).collect();
+        while let Some((mode, mut energies)) = self.cheapest(allowance) {
+            energies.sort_by(|a, b| a.1.total_cmp(&b.1));
+            // Slices of one mode add up. All are dropped that cost about as little: a pass for each would take long.
+            let (most, last) = (ALIKE * energies[0].1, energies.len() - 1);
+            let mut fits = |(_, energy): &(usize, f64)| {
+                let fits = *energy <= allowance.min(most);
+                allowance -= if fits { *energy } else { 0.0 };
+                fits
+            };
+            let beyond = energies[..last].iter().take_while(|slice| fits(slice)).count();
+            let mut keep: Vec<usize> = energies[beyond..].iter().map(|slice| slice.0).collect();
+            keep.sort_unstable();
             self.core = self.core.select(Axis(mode), &keep).as_standard_layout().into_owned();
             self.factors[mode] = unfold::standard(self.factors[mode].select(Axis(1), &keep).view());
-            allowance -= energy;
             dropped = true;
         }
         dropped
     }
 
-    /// Mode, slice and energy.
-    fn cheapest(&self, allowance: f64) -> Option<(usize, usize, f64)> {
-        let mut best = None;
-        let mut most = 0.0;
+    /// The mode whose slice of least energy saves most for it, and the energies of its slices; of slices that fit.
+    fn cheapest(&self, allowance: f64) -> Option<(usize, Vec<(usize, f64)>)> {
+        let (mut best, mut most) = (None, 0.0);
         for (mode, factor) in self.factors.iter().enumerate() {
             let (size, rank) = factor.dim();
-            let saved = (size + self.core.len() / rank) as f64;
-            let energies = self.core.axis_iter(Axis(mode)).map(|slice| slice.iter().map(|g| g * g).sum::<f64>());
-            let Some((slice, energy)) = energies.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
-            let gain = saved / energy.max(f64::MIN_POSITIVE);
-            if rank > 1 && energy <= allowance && gain > most {
-                (best, most) = (Some((mode, slice, energy)), gain);
+            let energy = |slice: ArrayViewD<f64>| slice.iter().map(|g| g * g).sum::<f64>();
+            let energies: Vec<_> = self.core.axis_iter(Axis(mode)).map(energy).enumerate().collect();
+            let least = energies.iter().fold(f64::INFINITY, |least, slice| least.min(slice.1));
+            let gain = (size + self.core.len() / rank) as f64 / least.max(f64::MIN_POSITIVE);
+            if rank > 1 && least <= allowance && gain > most {
+                (best, most) = (Some((mode, energies)), gain);
             }
         }
         best
