@@ -13,10 +13,12 @@ use faer::diag::DiagMut;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::householder;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
 use faer::linalg::svd::{ComputeSvdVectors, svd, svd_scratch};
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Accum, Conj, Mat, MatMut, MatRef, Par};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
 
 /// Eigenvalues or singular values in descending order, and their vectors.
@@ -87,6 +89,43 @@ pub fn add_gram(a: ArrayView2<f64>, mut gram: ArrayViewMut2<f64>) {
             gram[[j, i]] = gram[[i, j]];
         }
     }
+}
+
+/// The lower half of `gram` (m x m) += that of `a` (m x n) · `a`ᵀ; above the diagonal it stays as it is.
+///
+/// # Panics
+/// Sizes that do not agree, arrays that are not contiguous.
+pub fn add_half_gram_of_rows(a: ArrayView2<f64>, mut gram: ArrayViewMut2<f64>) {
+    let full = BlockStructure::Rectangular;
+    let half = BlockStructure::TriangularLower;
+    let a = lent(&a);
+    triangular::matmul(lent_mut(&mut gram), half, Accum::Add, a, full, a.transpose(), full, 1.0, Par::Seq);
+}
+
+/// Orthonormal columns (m x n) of which the first j span those of `a` (m x n, m ≥ n), for each j: Householder's Q of A = Q R.
+/// Where columns of `a` depend on those before them, whatever completes the basis.
+///
+/// # Panics
+/// More columns than rows.
+pub fn orthonormal_columns(a: ArrayView2<f64>) -> Array2<f64> {
+    let (m, n) = a.dim();
+    assert!(m >= n, "{n} columns of {m} numbers cannot be orthonormal");
+    let (mut basis, block) = (Mat::from_fn(m, n, |i, j| a[[i, j]]), recommended_block_size::<f64>(m, n));
+    let (mut coefficients, mut q) = (Mat::<f64>::zeros(block, n), Mat::<f64>::identity(m, n));
+    let factor = qr_in_place_scratch::<f64>(m, n, block, Par::Seq, Default::default());
+    let apply = householder::apply_block_householder_sequence_on_the_left_in_place_scratch::<f64>(m, block, n);
+    let mut memory = MemBuffer::new(factor.or(apply));
+    let stack = MemStack::new(&mut memory);
+    qr_in_place(basis.as_mut(), coefficients.as_mut(), Par::Seq, stack, Default::default());
+    householder::apply_block_householder_sequence_on_the_left_in_place_with_conj(
+        basis.as_ref(),
+        coefficients.as_ref(),
+        Conj::No,
+        q.as_mut(),
+        Par::Seq,
+        MemStack::new(&mut memory),
+    );
+    Array2::from_shape_fn((m, n), |(i, j)| q[(i, j)])
 }
 
 /// All eigenpairs of a symmetric matrix, of which the lower half is read.
@@ -207,6 +246,13 @@ mod tests {
         let mut gram = Array2::from_elem((12, 12), 0.5);
         add_gram(a.view(), gram.view_mut());
         close(&gram, &(a.t().dot(&a) + 0.5), 1e-13);
+        let mut half = Array2::from_elem((7, 7), 0.5);
+        add_half_gram_of_rows(a.view(), half.view_mut());
+        let expected = a.dot(&a.t());
+        for ((i, j), value) in half.indexed_iter() {
+            let gram = if j <= i { expected[[i, j]] } else { 0.0 };
+            assert!((value - gram - 0.5).abs() <= 1e-13);
+        }
     }
 
     #[test]
@@ -225,6 +271,20 @@ mod tests {
             close(&a.dot(&v.t()).dot(v), &a, 1e-11);
             close(&v.dot(&v.t()), &Array2::eye(m.min(n)), 1e-12);
             close(&by_gram.vectors.dot(&by_gram.vectors.t()), &Array2::eye(n), 1e-12);
+        }
+    }
+
+    #[test]
+    fn orthonormal_columns_span_those_before_them() {
+        let repeated = ndarray::concatenate![ndarray::Axis(1), matrix(9, 2), matrix(9, 2)];
+        for a in
+            [matrix(9, 6), matrix(4, 4), matrix(300, 70), matrix(5, 1), matrix(5, 0), repeated, Array2::zeros((4, 2))]
+        {
+            let (q, n) = (orthonormal_columns(a.view()), a.ncols());
+            close(&q.t().dot(&q), &Array2::eye(n), 1e-13);
+            let r = q.t().dot(&a);
+            close(&q.dot(&r), &a, 1e-12);
+            assert!(r.indexed_iter().all(|((i, j), r)| i <= j || r.abs() <= 1e-12));
         }
     }
 

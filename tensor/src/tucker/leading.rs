@@ -1,0 +1,137 @@
+//! Leading left singular vectors of an unfolding X, by its smaller Gram matrix.
+
+use super::krylov::{self, Operator};
+use super::params::TuckerParams;
+use super::unfold::{Element, Unfolding, standard};
+use ndarray::{Array2, s};
+use prt_transfer::{Result, linalg};
+
+/// The smaller side of an unfolding up to which all eigenpairs of its Gram matrix are computed: 0.3 s at 1024, growing by the cube.
+const DIRECT: usize = 1024;
+/// The smaller side up to which its Gram matrix is computed: 0.1 GB, and as much for each of two partial sums.
+const GRAM: usize = 4096;
+/// The smaller side, in blocks, from which iterating is tried: it is twice as fast as all eigenpairs or more where spectra
+/// decay, and in vain where they are flat.
+const BLOCKS: usize = 16;
+/// Vectors of a block where the rank is not known.
+const FIRST: usize = 32;
+/// Columns of the first sketch where the rank is not known; each further one has about twice as many.
+const SKETCH: usize = 16;
+
+/// How many vectors are wanted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Want {
+    /// At most.
+    pub(super) rank: usize,
+    /// As few as leave no more than this energy out.
+    pub(super) tail: f64,
+}
+
+impl Want {
+    /// The number of squares (descending, of which negative ones are rounding) to keep: at least one.
+    pub(super) fn keep(self, squares: &[f64]) -> usize {
+        let (mut keep, mut left) = (squares.len(), 0.0);
+        while keep > 1 {
+            left += squares[keep - 1].max(0.0);
+            if left > self.tail {
+                break;
+            }
+            keep -= 1;
+        }
+        keep.min(self.rank)
+    }
+
+    /// Whether only the tail says how many.
+    pub(super) fn is_open(self) -> bool {
+        self.rank == usize::MAX
+    }
+
+    /// Sizes of sketches to try: one where the rank is known.
+    fn sketches(self, beyond: usize) -> impl Iterator<Item = usize> {
+        let (first, tries) = if self.is_open() { (SKETCH, 40) } else { (self.rank, 1) };
+        (0..tries).map(move |i| (first << i) + beyond)
+    }
+}
+
+/// Leading vectors.
+pub(super) struct Leading {
+    /// rows x rank, orthonormal; in descending order of what they hold.
+    pub(super) vectors: Array2<f64>,
+    /// Whether an iteration ended, or none was needed.
+    pub(super) converged: bool,
+}
+
+/// The vectors wanted, by all eigenpairs of the smaller Gram matrix or, where it is large, by iterating.
+pub(super) fn leading<T: Element>(x: &Unfolding<T>, want: Want, params: &TuckerParams, mode: usize) -> Result<Leading> {
+    let smaller = x.rows().min(x.columns());
+    let block = if want.is_open() { FIRST } else { want.rank + params.oversampling };
+    if smaller <= DIRECT || BLOCKS * block > smaller {
+        return direct(x, want);
+    }
+    let seed = seed(params, mode);
+    if smaller > GRAM {
+        let g = Operator { size: x.rows(), energy: x.energy(), apply: &|q| x.gram_times(q) };
+        let leading = krylov::leading(&g, want, block, smaller / 2, seed)?;
+        // A bound is kept whatever it costs; of a number of vectors those found are reported as they are.
+        return if leading.converged || !want.is_open() { Ok(leading) } else { direct(x, want) };
+    }
+    let gram = Gram::of(x);
+    let view = gram.matrix.view().into_dyn();
+    let matrix = Unfolding::new(&view, 0);
+    let g = Operator { size: smaller, energy: gram.matrix.diag().sum(), apply: &|q| matrix.times(q) };
+    let leading = krylov::leading(&g, want, block, smaller / 4, seed)?;
+    if leading.converged { Ok(gram.of_rows(x, leading.vectors)) } else { gram.direct(x, want) }
+}
+
+/// The vectors wanted, by all eigenpairs.
+pub(super) fn direct<T: Element>(x: &Unfolding<T>, want: Want) -> Result<Leading> {
+    Gram::of(x).direct(x, want)
+}
+
+/// X Xᵀ = U S² Uᵀ, or Xᵀ X = V S² Vᵀ where that is smaller.
+struct Gram {
+    matrix: Array2<f64>,
+    by_rows: bool,
+}
+
+impl Gram {
+    fn of<T: Element>(x: &Unfolding<T>) -> Gram {
+        let by_rows = x.rows() <= x.columns();
+        Gram { matrix: if by_rows { x.gram() } else { x.gram_of_columns() }, by_rows }
+    }
+
+    fn direct<T: Element>(&self, x: &Unfolding<T>, want: Want) -> Result<Leading> {
+        let spectrum = linalg::eigen(self.matrix.view())?;
+        let vectors = spectrum.vectors.slice(s![..want.keep(&spectrum.values), ..]);
+        Ok(self.of_rows(x, standard(vectors.t())))
+    }
+
+    /// U = X V S⁻¹ where the vectors are V. Small vectors of X V are orthogonal to rounding of the largest only: each is freed of those
+    /// before it.
+    fn of_rows<T: Element>(&self, x: &Unfolding<T>, vectors: Array2<f64>) -> Leading {
+        let vectors = if self.by_rows { vectors } else { linalg::orthonormal_columns(x.times(vectors.view()).view()) };
+        Leading { vectors, converged: true }
+    }
+}
+
+/// An orthonormal Q (rows x size) that about spans the leading vectors: of (X Xᵀ)^q X Ω, orthonormal again after each product
+/// (Halko, Martinsson and Tropp 2011, Algorithm 4.4). One where the rank is known, else larger and larger; none where all
+/// vectors cost about the same.
+pub(super) fn range<T: Element>(
+    x: &Unfolding<T>,
+    want: Want,
+    params: &TuckerParams,
+    mode: usize,
+) -> impl Iterator<Item = Array2<f64>> {
+    let smaller = x.rows().min(x.columns());
+    let sizes = want.sketches(params.oversampling).take_while(move |size| 2 * size <= smaller);
+    sizes.map(move |size| {
+        let sketch = linalg::orthonormal_columns(x.sketch(size, seed(params, mode)).view());
+        (0..params.power_iterations).fold(sketch, |q, _| linalg::orthonormal_columns(x.gram_times(q.view()).view()))
+    })
+}
+
+/// Modes differ in their sketches.
+fn seed(params: &TuckerParams, mode: usize) -> u64 {
+    params.seed.wrapping_add((mode as u64) << 32)
+}
