@@ -34,12 +34,18 @@ impl Stacked {
         Stacked { rows: concatenate(Axis(0), &views).expect("rows of one dimension"), starts }
     }
 
+    /// Of all clusters.
+    pub(crate) fn rows(&self) -> ArrayView2<'_, f32> {
+        self.rows.view()
+    }
+
     /// The rows of a cluster.
     pub(crate) fn range(&self, cluster: usize) -> std::ops::Range<usize> {
         self.starts[cluster]..self.starts[cluster + 1]
     }
 
-    fn len(&self) -> usize {
+    /// How many clusters.
+    pub(crate) fn len(&self) -> usize {
         self.starts.len() - 1
     }
 

@@ -9,7 +9,7 @@ use crate::slabs::Slabs;
 use ndarray::Array2;
 use prt_transfer::groups::Groups;
 use prt_transfer::samples::Samples;
-use prt_transfer::{Codec, Configure, Params, Progress, Result, TransferMatrix};
+use prt_transfer::{Codec, Configure, Params, Progress, Result, Shape, TransferMatrix};
 
 /// Most clusters.
 const MAX_CLUSTERS: usize = 1 << 16;
@@ -75,40 +75,36 @@ impl Cta {
         }
         let samples = Samples::of(matrix, self.0.norm)?;
         let tensor = Slabs::lent(samples.values(), [shape.samples, shape.responses, shape.lights]);
-        let CtaParams { clusters, view, light, sample, sweeps, refine, start, seed, .. } = self.0;
+        let CtaParams { clusters, view, light, sample, members, sweeps, refine, start, seed, .. } = self.0;
         let ranks = Ranks { light, sample };
-        let found = search(&tensor, &Plan { clusters, view, ranks, sweeps, refine, start, seed }, progress)?;
-        Ok(finish(&samples, &tensor, matrix, found))
+        let found = search(&tensor, &Plan { clusters, view, ranks, members, sweeps, refine, start, seed }, progress)?;
+        Ok(finish(&samples, shape, found))
     }
 }
 
-/// The model in the matrix's coordinates.
-fn finish(samples: &Samples, tensor: &Slabs, matrix: &TransferMatrix, found: Found) -> Approximation {
-    let Found { view, bases, members, history, converged } = found;
+/// The model in the matrix's coordinates, without clusters that nobody is in.
+fn finish(samples: &Samples, shape: Shape, found: Found) -> Approximation {
+    let Found { view, bases, memberships, members, weights, square, history, converged } = found;
     let (of_weights, of_bases) = samples.scales();
-    let reduced = tensor.with_views(view.view());
     let groups = Groups::of(&members, bases.len());
     let kept: Vec<usize> = (0..bases.len()).filter(|&k| !groups.of_cluster(k).is_empty()).collect();
-    let mut weights = vec![Vec::new(); members.len()];
-    let mut square: f64 = tensor.squares().iter().sum();
-    let mut clusters = Vec::with_capacity(kept.len());
     let mut numbers = vec![0u32; bases.len()];
-    for (number, &k) in kept.iter().enumerate() {
-        numbers[k] = number as u32;
-        let of_members = bases[k].weights(&reduced.gathered(groups.of_cluster(k)));
-        square -= of_members.iter().map(|w| f64::from(*w).powi(2)).sum::<f64>();
-        for (row, &sample) in of_members.outer_iter().zip(groups.of_cluster(k)) {
-            weights[sample as usize] = row.iter().map(|w| (f64::from(*w) * of_weights) as f32).collect();
-        }
-        let light = restored(&bases[k].light, of_bases, |row| samples.restore_lights(row));
-        clusters.push(Cluster { light, dual: bases[k].dual.clone() });
-    }
+    kept.iter().zip(0..).for_each(|(&k, number)| numbers[k] = number);
+    let cluster = |&k: &usize| Cluster {
+        light: restored(&bases[k].light, of_bases, |row| samples.restore_lights(row)),
+        dual: bases[k].dual.clone(),
+    };
     let view = restored(&view, 1.0, |row| samples.restore_responses(row)).t().as_standard_layout().into_owned();
-    let view = Some(view).filter(|view| *view != Array2::<f32>::eye(matrix.shape().responses));
-    let members = members.into_iter().map(|k| numbers[k as usize]).collect();
-    let model = Model { shape: matrix.shape(), view, clusters, memberships: 1, members, weights: weights.concat() };
-    let exponent = of_weights * of_bases;
-    Approximation { model, history, converged, square: square.max(0.0) * exponent * exponent }
+    let model = Model {
+        shape,
+        view: Some(view).filter(|view| *view != Array2::<f32>::eye(shape.responses)),
+        clusters: kept.iter().map(cluster).collect(),
+        memberships,
+        members: members.into_iter().map(|k| numbers[k as usize]).collect(),
+        weights: weights.into_iter().flatten().map(|w| (f64::from(w) * of_weights) as f32).collect(),
+    };
+    let scale = of_weights * of_bases;
+    Approximation { model, history, converged, square: square * scale * scale }
 }
 
 /// Rows taken back to the coordinates of the matrix.

@@ -13,6 +13,7 @@ mod params;
 mod products;
 mod search;
 mod slabs;
+mod soft;
 mod start;
 mod steps;
 pub mod tucker;

@@ -6,6 +6,7 @@ use crate::elbg::elbg;
 use crate::params::Start;
 use crate::products;
 use crate::slabs::{Slabs, square};
+use crate::soft::Shared;
 use crate::start::lines;
 use ndarray::Array2;
 use prt_transfer::groups::Groups;
@@ -18,6 +19,8 @@ pub(crate) struct Plan {
     pub(crate) clusters: usize,
     pub(crate) view: usize,
     pub(crate) ranks: Ranks,
+    /// Clusters of each sample.
+    pub(crate) members: usize,
     pub(crate) sweeps: usize,
     pub(crate) refine: usize,
     pub(crate) start: Start,
@@ -44,6 +47,8 @@ pub enum Phase {
     Clustering,
     /// Bases are fitted to the clusters, the view basis too (§5.2.4).
     Approximation,
+    /// Samples move into several clusters.
+    Sharing,
 }
 
 /// What the search found, in the coordinates of the samples.
@@ -51,9 +56,16 @@ pub(crate) struct Found {
     /// U_viewᵀ: R_view x responses.
     pub(crate) view: Array2<f32>,
     pub(crate) bases: Vec<Basis>,
+    /// Clusters of each sample.
+    pub(crate) memberships: usize,
+    /// The clusters of each sample, sample after sample.
     pub(crate) members: Vec<u32>,
+    /// For each membership the weights of the cluster.
+    pub(crate) weights: Vec<Vec<f32>>,
+    /// Squared error.
+    pub(crate) square: f64,
     pub(crate) history: Vec<Sweep>,
-    /// Whether both phases ended by themselves.
+    /// Whether all phases ended by themselves.
     pub(crate) converged: bool,
 }
 
@@ -68,7 +80,7 @@ const INNER: usize = 1;
 
 /// Bases and clusters for a tensor of samples x responses x lights.
 pub(crate) fn search(tensor: &Slabs, plan: &Plan, progress: &dyn Progress) -> Result<Found> {
-    progress.start("tensor approximation", (2 + plan.sweeps + plan.refine) as u64);
+    progress.start("tensor approximation", (2 + plan.sweeps + 2 * plan.refine) as u64);
     let whole: f64 = tensor.squares().iter().sum();
     let view = first_view(tensor, plan.view)?;
     let reduced = tensor.with_views(view.view());
@@ -81,9 +93,16 @@ pub(crate) fn search(tensor: &Slabs, plan: &Plan, progress: &dyn Progress) -> Re
     if let Some(head) = &head {
         state.bases.iter_mut().for_each(|basis| basis.light = products::times(basis.light.view(), head.view()));
     }
-    let view = search.approximated(tensor, reduced, view, &mut state)?;
+    let (view, reduced) = search.approximated(tensor, reduced, view, &mut state)?;
+    let shared = if plan.members > 1 && state.bases.len() > 1 {
+        search.shared(&reduced, state)?
+    } else {
+        alone(&reduced, state)
+    };
     let Search { history, converged, .. } = search;
-    Ok(Found { view, bases: state.bases, members: state.members, history, converged })
+    let Shared { bases, memberships, members, weights, kept } = shared;
+    let square = (whole - kept).max(0.0);
+    Ok(Found { view, bases, memberships, members, weights, square, history, converged })
 }
 
 /// U_viewᵀ with all other bases the identity (Eq. 14); the identity itself where the rank is not below the number of responses.
@@ -214,10 +233,10 @@ impl Search<'_> {
     fn approximated(
         &mut self,
         tensor: &Slabs,
-        reduced: Slabs,
+        reduced: Slabs<'static>,
         view: Array2<f32>,
         state: &mut State,
-    ) -> Result<Array2<f32>> {
+    ) -> Result<(Array2<f32>, Slabs<'static>)> {
         let (mut view, mut reduced, all) = (view, reduced, vec![true; state.bases.len()]);
         let (mut before, mut converged) = (f64::INFINITY, false);
         for sweep in 0..self.plan.refine {
@@ -235,8 +254,44 @@ impl Search<'_> {
             before = self.error();
         }
         self.converged &= converged;
-        Ok(view)
+        Ok((view, reduced))
     }
+
+    /// Samples move into several clusters, and bases with them.
+    fn shared(&mut self, reduced: &Slabs, state: State) -> Result<Shared> {
+        let (rank, mut converged) = (self.plan.ranks.sample, false);
+        let mut shared = Shared::new(reduced, state.bases, &state.members, self.plan.members)?;
+        self.push(Phase::Sharing, rank, shared.kept, 0);
+        for _ in 0..self.plan.refine {
+            let (before, members) = (self.error(), shared.members.clone());
+            shared.sweep(reduced, self.plan.ranks)?;
+            let moved = members.iter().zip(&shared.members).filter(|(a, b)| a != b).count();
+            self.push(Phase::Sharing, rank, shared.kept, moved);
+            self.progress.advance(1)?;
+            converged = before - self.error() <= LITTLE * self.error();
+            if converged {
+                break;
+            }
+        }
+        self.converged &= converged;
+        Ok(shared)
+    }
+}
+
+/// Every sample in its one cluster.
+fn alone(reduced: &Slabs, state: State) -> Shared {
+    let State { members, bases } = state;
+    let groups = Groups::of(&members, bases.len());
+    let (mut weights, mut kept) = (vec![Vec::new(); members.len()], 0.0);
+    for (cluster, basis) in bases.iter().enumerate() {
+        let group = groups.of_cluster(cluster);
+        let of_members = basis.weights(&reduced.gathered(group));
+        for (row, &sample) in of_members.outer_iter().zip(group) {
+            kept += row.iter().map(|w| f64::from(*w).powi(2)).sum::<f64>();
+            weights[sample as usize] = row.to_vec();
+        }
+    }
+    Shared { bases, memberships: 1, members, weights, kept }
 }
 
 /// Fits the bases of clusters that have changed; the sum of squares that these keep.
