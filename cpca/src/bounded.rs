@@ -8,7 +8,7 @@ use crate::encoded::EncodedCpca;
 use crate::engine::{Bargain, Engine, Plan};
 use crate::params::Mode;
 use prt_transfer::samples::Samples;
-use prt_transfer::{Encoded, Metric, Progress, Result, TransferMatrix};
+use prt_transfer::{Progress, Result, TransferMatrix};
 use rayon::prelude::*;
 
 /// What came of a bound.
@@ -28,8 +28,6 @@ const PATIENCE: usize = 2;
 const MOST_REFINED: usize = 16;
 /// Eigenvalues of larger matrices are not computed while the number of clusters is looked for.
 const MOST_EIGENVALUES: usize = 3000;
-/// Samples decoded together.
-const BLOCK: usize = 256;
 
 pub(crate) fn bounded(
     task: &Task,
@@ -47,7 +45,7 @@ pub(crate) fn bounded(
     let mut least = f64::INFINITY;
     for _ in 0..ATTEMPTS {
         let encoded = task.stored(samples, matrix, &bargain.clustering, progress)?;
-        let (error, whole) = error(&encoded, matrix, task)?;
+        let (error, whole) = task.norm.error_of(&encoded, matrix)?;
         if error <= bound * whole {
             return Ok(Bounded::Kept(Box::new(encoded)));
         }
@@ -101,34 +99,4 @@ fn planned(task: &Task, engine: &Engine, samples: &Samples, allowed: f64, progre
 fn energy(samples: &Samples) -> f64 {
     let sums: Vec<f64> = samples.values().par_chunks(1 << 16).map(crate::head::square).collect();
     sums.iter().sum()
-}
-
-/// Squared error of what is decoded, and squared norm, in the task's norm.
-fn error(encoded: &EncodedCpca, matrix: &TransferMatrix, task: &Task) -> Result<(f64, f64)> {
-    let (shape, metric) = (matrix.shape(), task.norm.metric(matrix)?);
-    let square = |rows: &mut [f64]| match &metric {
-        Some(metric) => Metric::square_of(metric, rows, shape.lights),
-        None => rows.iter().map(|v| v * v).sum(),
-    };
-    let sums: Vec<(f64, f64)> = (0..shape.samples)
-        .collect::<Vec<_>>()
-        .par_chunks(BLOCK)
-        .map(|block| {
-            let (mut decoded, mut exact) = (vec![0f32; shape.lights], vec![0f32; shape.lights]);
-            let (mut errors, mut whole, mut sums) = (Vec::new(), Vec::new(), (0.0, 0.0));
-            for &sample in block {
-                errors.clear();
-                whole.clear();
-                for row in sample * shape.responses..(sample + 1) * shape.responses {
-                    encoded.row_into(row, &mut decoded);
-                    matrix.gather(row, &mut exact);
-                    errors.extend(decoded.iter().zip(&exact).map(|(d, e)| f64::from(*d) - f64::from(*e)));
-                    whole.extend(exact.iter().map(|e| f64::from(*e)));
-                }
-                sums = (sums.0 + square(&mut errors), sums.1 + square(&mut whole));
-            }
-            sums
-        })
-        .collect();
-    Ok(sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1)))
 }

@@ -3,7 +3,7 @@
 use prt_bicluster::Bicluster;
 use prt_cpca::{Cpca, Pca, Vq};
 use prt_srbf::Srbf;
-use prt_tensor::Cta;
+use prt_tensor::{Cta, TuckerCodec};
 use prt_transfer::compact::Compact;
 use prt_transfer::csr::Csr;
 use prt_transfer::dense::Dense;
@@ -33,6 +33,7 @@ pub fn registry() -> Registry {
         .codec::<Vq>()
         .codec::<Pca>()
         .codec::<Cpca>()
+        .codec::<TuckerCodec>()
         .codec::<Cta>()
 }
 

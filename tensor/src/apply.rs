@@ -139,10 +139,13 @@ fn gather<C: Count>(
     count: &mut C,
 ) {
     let EncodedCta { layout, ids, shape, weights, .. } = encoded;
-    let view = encoded.view.as_ref().filter(|_| columns.views() == layout.views);
+    let view = encoded.view.as_ref().filter(|_| !columns.seen());
     let gather = Gather::new(columns, view.map(|view| view.view()), shape.responses);
     let (mut at, memberships) = (layout.first_weight(first, ids), layout.memberships);
     let of_sample = shape.responses * columns.channels();
+    if of_sample == 0 {
+        return;
+    }
     for (block, out) in out.chunks_mut(BLOCK * of_sample).enumerate() {
         let samples = out.len() / of_sample;
         scratch.clusters.resize(samples * memberships, 0);

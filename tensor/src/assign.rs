@@ -136,3 +136,40 @@ pub(crate) fn assign(slabs: &Slabs, clusters: &Stacked) -> (Assignment, Candidat
     let members = candidates.clusters.iter().step_by(each).copied().collect();
     (Assignment { members, kept: kept.concat() }, candidates)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use prt_transfer::random::Random;
+
+    #[test]
+    fn the_best_cluster_is_that_of_the_least_error_and_among_its_candidates() {
+        let mut random = Random(4);
+        let values: Vec<f32> = (0..300 * 12).map(|_| random.normal() as f32).collect();
+        let slabs = Slabs::lent(&values, [300, 3, 4]);
+        // Orthonormal rows of 0 to 4 dimensions.
+        let clusters: Vec<Array2<f32>> = (0..20)
+            .map(|k| {
+                let rows = Array2::from_shape_simple_fn((30, 12), || random.normal() as f32);
+                products::leading(rows.view(), k % 5).unwrap().single()
+            })
+            .collect();
+        let stacked = Stacked::of(&clusters);
+        let (all, candidates) = assign(&slabs, &stacked);
+        for sample in 0..300 {
+            let row = ndarray::ArrayView1::from(slabs.row(sample));
+            let left = |rows: &Array2<f32>| {
+                let outside = &row - &rows.t().dot(&rows.dot(&row));
+                square(outside.as_slice().expect("a fresh array"))
+            };
+            let errors: Vec<f64> = clusters.iter().map(left).collect();
+            let best = errors[all.members[sample] as usize];
+            assert!(errors.iter().all(|e| best <= e + 1e-4), "sample {sample}");
+            assert!((square(slabs.row(sample)) - all.kept[sample] - best).abs() < 1e-4);
+        }
+        assert!(!candidates.are_all(20));
+        let again = candidates.assign(&slabs, &stacked);
+        assert_eq!(again.members, all.members);
+        assert!(again.kept.iter().zip(&all.kept).all(|(a, b)| (a - b).abs() < 1e-5));
+    }
+}

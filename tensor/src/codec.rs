@@ -74,6 +74,10 @@ impl Cta {
             return Ok(Approximation { model, history: Vec::new(), converged: true, square: 0.0 });
         }
         let samples = Samples::of(matrix, self.0.norm)?;
+        if samples.values().iter().all(|v| *v == 0.0) {
+            let model = Model::empty(shape);
+            return Ok(Approximation { model, history: Vec::new(), converged: true, square: 0.0 });
+        }
         let tensor = Slabs::lent(samples.values(), [shape.samples, shape.responses, shape.lights]);
         let CtaParams { clusters, view, light, sample, members, sweeps, refine, start, seed, .. } = self.0;
         let ranks = Ranks { light, sample };

@@ -171,3 +171,31 @@ fn halves(slabs: &Slabs, group: &[u32]) -> Option<[Vec<u32>; 2]> {
     }
     halves
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use prt_transfer::Quiet;
+
+    #[test]
+    fn every_clump_gets_a_mean_whatever_is_drawn() {
+        // Six clumps of 20 samples far apart: of six samples drawn at random some share a clump nearly always.
+        let value = |i: usize| [(i / 20 % 3) as f32 * 100.0, (i / 60) as f32 * 100.0].map(|v| v + (i * 37 % 11) as f32);
+        let values: Vec<f32> = (0..120).flat_map(value).collect();
+        let slabs = Slabs::lent(&values, [120, 1, 2]);
+        for seed in 0..20 {
+            let members = elbg(&slabs, 6, seed, &Quiet).unwrap();
+            let alike = (0..120).all(|i| members[i] == members[i / 20 * 20]);
+            let means: std::collections::BTreeSet<u32> = members.iter().copied().collect();
+            assert!(alike && means.len() == 6, "seed {seed}: {members:?}");
+        }
+    }
+
+    #[test]
+    fn there_are_no_more_cells_than_samples_and_equal_samples_share_one() {
+        let values = [1.0, 2.0, 1.0, 2.0, 5.0, 5.0];
+        assert!(elbg(&Slabs::lent(&values, [3, 1, 2]), 9, 0, &Quiet).unwrap().iter().all(|k| *k < 3));
+        let members = elbg(&Slabs::lent(&[3.0; 8], [4, 1, 2]), 3, 0, &Quiet).unwrap();
+        assert!(members.iter().all(|k| *k == members[0]), "{members:?}");
+    }
+}

@@ -15,6 +15,8 @@ pub(crate) struct Columns {
     clusters: Vec<[usize; 2]>,
     views: usize,
     channels: usize,
+    /// Whether the view basis has been applied.
+    seen: bool,
 }
 
 impl Columns {
@@ -27,7 +29,7 @@ impl Columns {
                 .extend((0..channels).flat_map(|channel| (first..first + views).map(move |row| rows[[row, channel]])));
         }
         let clusters = places.iter().map(|place| [place.sample, place.sample_rank]).collect();
-        Columns { values, clusters, views, channels }
+        Columns { values, clusters, views, channels, seen: false }
     }
 
     /// With a view basis (responses x views) applied: columns of channels x responses.
@@ -35,11 +37,11 @@ impl Columns {
         let products = self.values.chunks_exact(self.views.max(1)).flat_map(|column| {
             view.outer_iter().map(|row| row.iter().zip(column).map(|(a, b)| a * b).sum::<f32>()).collect::<Vec<_>>()
         });
-        Columns { values: products.collect(), views: view.nrows(), ..self }
+        Columns { values: products.collect(), views: view.nrows(), seen: true, ..self }
     }
 
-    pub(crate) fn views(&self) -> usize {
-        self.views
+    pub(crate) fn seen(&self) -> bool {
+        self.seen
     }
 
     pub(crate) fn channels(&self) -> usize {
@@ -186,7 +188,9 @@ mod tests {
     #[test]
     fn sums_are_those_of_the_definition_for_every_width() {
         let number = |i: usize| ((i * 37 + i * i * 11) % 101) as f32 / 50.0 - 1.0;
-        for (views, channels, responses) in [(1, 1, 1), (3, 1, 3), (8, 3, 16), (5, 2, 7), (4, 4, 4), (33, 3, 40)] {
+        for (views, channels, responses) in
+            [(1, 1, 1), (3, 1, 3), (4, 3, 4), (8, 3, 16), (5, 2, 7), (4, 4, 4), (33, 3, 40)]
+        {
             let ranks = [3, 0, 24];
             let mut sample = 0;
             let places = ranks.map(|sample_rank| {
@@ -195,8 +199,7 @@ mod tests {
                 place
             });
             let rows = Array2::from_shape_fn((sample * views, channels), |(i, c)| number(3 * i + c));
-            let view =
-                (views < responses).then(|| Array2::from_shape_fn((responses, views), |(k, v)| number(k + 5 * v)));
+            let view = (channels > 1).then(|| Array2::from_shape_fn((responses, views), |(k, v)| number(k + 5 * v)));
             let columns = Columns::new(&places, rows.view(), views);
             let clusters = [0, 2, 2, 1, 2, 0, 1, 1];
             let weights: Vec<f32> =

@@ -6,6 +6,7 @@ mod basis;
 mod codec;
 mod elbg;
 mod encoded;
+mod global;
 mod kernel;
 mod layout;
 mod model;
@@ -21,6 +22,7 @@ mod wire;
 
 pub use codec::{Approximation, Cta};
 pub use encoded::EncodedCta;
+pub use global::TuckerCodec;
 pub use model::{Cluster, Model};
-pub use params::{CtaParams, Start, Storage};
+pub use params::{CtaParams, Start, Storage, TuckerCodecParams};
 pub use search::{Phase, Sweep};

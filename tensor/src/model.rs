@@ -53,6 +53,9 @@ impl Model {
         if clusters < samples.min(1) || clusters > samples.max(1) {
             return Err(unfit("clusters of the model", format!("1 to {samples}, the samples"), clusters));
         }
+        if self.views() < self.shape.responses.min(1) {
+            return Err(unfit("views", format!("1 to {}", self.shape.responses), self.views()));
+        }
         if let Some(view) = &self.view {
             Error::expect_size("rows of the view basis", self.shape.responses, view.nrows())?;
         }

@@ -1,5 +1,6 @@
-//! What `cta` can be asked for.
+//! What `cta` and `tucker` can be asked for.
 
+use crate::tucker::Algorithm;
 use prt_transfer::samples::Norm;
 
 prt_transfer::choices! {
@@ -53,5 +54,31 @@ prt_transfer::params! {
         numbers: Storage = Storage::I16,
         /// Squared error that numbers=coded may add, as a part of the model's own, above 0 to 1.
         noise: f64 = 0.01,
+    }
+}
+
+prt_transfer::params! {
+    /// One Tucker decomposition of samples x responses x lights.
+    pub struct TuckerCodecParams: "tucker" {
+        /// Rank of the responses, 1 to 65536; no more than the data have.
+        view: usize = 8,
+        /// Rank of the lights, 1 to 65536; no more than the data have.
+        light: usize = 96,
+        /// Rank of the samples, 1 to 65536; no more than the data have.
+        sample: usize = 128,
+        /// How factors are found: hosvd, st-hosvd, hooi or randomised.
+        mode: Algorithm = Algorithm::Sequential,
+        /// Sweeps of hooi at most, 1 to 1000.
+        sweeps: usize = 50,
+        /// Of the sketches of mode=randomised.
+        seed: u64 = 0,
+        /// Error that is minimised: coefficients (of the matrix) or radiance (orthonormal coordinates).
+        norm: Norm = Norm::Coefficients,
+        /// Numbers are stored as f32, f16, i16 or coded.
+        numbers: Storage = Storage::I16,
+        /// Squared error that numbers=coded may add, as a part of the model's own, above 0 to 1.
+        noise: f64 = 0.01,
+        /// Bound on Σ(T-T̃)²/ΣT² of what is decoded, in the norm, 1e-12 to 1: the ranks that just keep it, in place of view, light and sample.
+        max_error: Option<f64> = None,
     }
 }

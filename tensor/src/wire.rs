@@ -50,8 +50,8 @@ pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<EncodedCta> {
     if memberships < 1 || memberships > clusters.max(1) {
         return Err(broken(HEADER, format!("1 to {clusters} clusters of a sample"), memberships.to_string()));
     }
-    if views > shape.responses {
-        return Err(broken(HEADER, format!("up to {} views, the responses", shape.responses), views.to_string()));
+    if views > shape.responses || views < shape.responses.min(1) {
+        return Err(broken(HEADER, format!("1 to {} views, the responses", shape.responses), views.to_string()));
     }
     let view = match source.has(VIEW) {
         true => Some(source.take_finite(VIEW, shape.responses * views)?),

@@ -3,6 +3,7 @@
 use ndarray::Array2;
 use prt_cpca::EncodedCpca;
 use prt_harness::registry::registry;
+use prt_tensor::EncodedCta;
 use prt_tests::*;
 use prt_transfer::io::prt;
 use prt_transfer::sections::Section;
@@ -43,7 +44,7 @@ fn relighting_equals_decoded_rows_times_light() {
             // the bound is taken over whole rows.
             let mut magnitude = rows.mapv(f64::abs).sum_axis(ndarray::Axis(1)) * 2.0;
             // Clusters mix samples: a row of zeros may be a sum of representatives that are none.
-            if ["vq", "pca", "cpca"].contains(&label.codec.name.as_str()) {
+            if ["vq", "pca", "cpca", "tucker", "cta"].contains(&label.codec.name.as_str()) {
                 let largest = magnitude.iter().copied().fold(0.0, f64::max);
                 magnitude.fill(largest);
             }
@@ -208,6 +209,24 @@ fn flops_of_clusters(compressed: &Compressed) -> [u64; 2] {
     [(products + scales) as u64, products as u64]
 }
 
+/// Multiplications and additions of tensors: light bases and dual bases times light, columns times weights, and the view basis after it or, where
+/// that is less, before; a scale for each row of a light basis, for each number of a column, and a product of two scales for each column.
+fn flops_of_tensors(compressed: &Compressed) -> [u64; 2] {
+    let (shape, sections) = (compressed.shape(), compressed.sections());
+    let scaled = sections.sizes().any(|(section, _)| section == "weights/scales");
+    let mut source = Source::new(sections.into_sections()).unwrap();
+    let model = EncodedCta::read(shape, &mut source).unwrap().model();
+    let (views, weights) = (model.views(), model.weights.len());
+    let ranks = || model.clusters.iter().map(|c| [c.light.nrows(), c.dual.nrows()]);
+    let bases: usize = ranks().map(|[light, sample]| light * (shape.lights + sample * views)).sum();
+    let columns: usize = ranks().map(|[_, sample]| sample).sum();
+    let after = weights * views + shape.samples * shape.responses * views;
+    let before = columns * views * shape.responses + weights * shape.responses;
+    let products = bases + if model.view.is_some() { after.min(before) } else { weights * views };
+    let scales: usize = ranks().map(|[light, sample]| light + sample * (views + 1)).sum();
+    [(products + if scaled { scales } else { 0 }) as u64, products as u64]
+}
+
 #[test]
 fn flops_equal_the_closed_formula() {
     for_every_method(|_, label, case, compressed| {
@@ -238,6 +257,9 @@ fn flops_equal_the_closed_formula() {
             }
             "vq" | "pca" | "cpca" => {
                 return assert_eq!(flops_of_clusters(compressed), [flops.multiplications, flops.additions], "{label}");
+            }
+            "tucker" | "cta" => {
+                return assert_eq!(flops_of_tensors(compressed), [flops.multiplications, flops.additions], "{label}");
             }
             other => panic!("state the closed formula of {other}"),
         };

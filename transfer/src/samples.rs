@@ -1,5 +1,6 @@
 //! The matrix as points: a vector of responses x lights numbers for each sample.
 
+use crate::codec::Encoded;
 use crate::error::Result;
 use crate::matrix::TransferMatrix;
 use crate::metric::Metric;
@@ -116,12 +117,41 @@ impl<'a> Samples<'a> {
 }
 
 impl Norm {
-    /// `None` where error is that of the matrix's elements.
+    /// The metric of a matrix; `None` where error is that of its elements.
+    ///
+    /// # Errors
+    /// Responses that do not exist.
     pub fn metric(self, matrix: &TransferMatrix) -> Result<Option<Metric>> {
         match self {
             Norm::Coefficients => Ok(None),
             Norm::Radiance => Ok(Some(Metric::of(matrix)?).filter(Metric::is_known)),
         }
+    }
+
+    /// Squared error of what is decoded, and squared norm.
+    ///
+    /// # Errors
+    /// As [`Norm::metric`].
+    pub fn error_of(self, encoded: &dyn Encoded, matrix: &TransferMatrix) -> Result<(f64, f64)> {
+        let (shape, metric) = (matrix.shape(), self.metric(matrix)?);
+        let square = |rows: &mut [f64]| match &metric {
+            Some(metric) => metric.square_of(rows, shape.lights),
+            None => rows.iter().map(|v| v * v).sum(),
+        };
+        let of_sample = |sample: usize| {
+            let (mut decoded, mut exact) = (vec![0f32; shape.lights], vec![0f32; shape.lights]);
+            let (mut errors, mut whole) = (Vec::new(), Vec::new());
+            for row in sample * shape.responses..(sample + 1) * shape.responses {
+                encoded.row_into(row, &mut decoded);
+                matrix.gather(row, &mut exact);
+                errors.extend(decoded.iter().zip(&exact).map(|(d, e)| f64::from(*d) - f64::from(*e)));
+                whole.extend(exact.iter().map(|e| f64::from(*e)));
+            }
+            (square(&mut errors), square(&mut whole))
+        };
+        // Sums do not depend on the number of threads: they are of samples, in their order.
+        let sums: Vec<(f64, f64)> = (0..shape.samples).into_par_iter().map(of_sample).collect();
+        Ok(sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1)))
     }
 }
 
