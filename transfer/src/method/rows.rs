@@ -12,74 +12,93 @@ fn block_of(lights: usize) -> usize {
     ((1 << 20) / lights.max(1)).clamp(1, 128)
 }
 
-/// C of T ≈ C·B: sparse where T is.
+/// Rows, evenly spread, that tell whether C is dense.
+const PROBED: usize = 64;
+
+/// C of T ≈ C·B: sparse where T is, unless most of its elements are not 0.
 pub fn transform_rows(
     matrix: &TransferMatrix,
     transform: &dyn LightTransform,
     progress: &dyn Progress,
 ) -> Result<TransferMatrix> {
     progress.start("transform", matrix.rows() as u64);
-    let transformed = match matrix.as_dense() {
-        Some(values) => transform_dense(values, matrix, transform, progress)?,
-        None => transform_sparse(matrix, transform, progress)?,
-    };
+    let rows = Rows { matrix, transform };
+    let transformed = if matrix.is_sparse() && !rows.fill() { rows.sparse(progress)? } else { rows.dense(progress)? };
     transformed.with_responses(matrix.responses().clone())
 }
 
-fn transform_dense(
-    from: &[f32],
-    matrix: &TransferMatrix,
-    transform: &dyn LightTransform,
-    progress: &dyn Progress,
-) -> Result<TransferMatrix> {
-    let (rows, lights, basis) = (matrix.rows(), matrix.lights(), transform.output());
-    let (to, block) = (basis.lights(), block_of(lights));
-    let mut values = vec![0f32; rows * to];
-    values.par_chunks_mut((block * to).max(1)).enumerate().try_for_each(|(i, out)| {
-        let count = block.min(rows - i * block);
-        let from = ArrayView2::from_shape((count, lights), &from[i * block * lights..][..count * lights]);
-        let out = ArrayViewMut2::from_shape((count, to), out);
-        transform.rows_into(from.expect(WHOLE_ROWS), out.expect(WHOLE_ROWS));
-        progress.advance(count as u64)
-    })?;
-    TransferMatrix::from_dense(values, rows, matrix.shape().responses, basis)
+struct Rows<'a> {
+    matrix: &'a TransferMatrix,
+    transform: &'a dyn LightTransform,
+}
+
+impl Rows<'_> {
+    /// Rows of C for consecutive rows of T into `out`.
+    fn block(&self, first: usize, out: ArrayViewMut2<f32>) {
+        let (lights, count) = (self.matrix.lights(), out.nrows());
+        if let Some(values) = self.matrix.as_dense() {
+            let from = ArrayView2::from_shape((count, lights), &values[first * lights..][..count * lights]);
+            return self.transform.rows_into(from.expect(WHOLE_ROWS), out);
+        }
+        let mut from = Array2::zeros((count, lights));
+        for (mut from, row) in from.outer_iter_mut().zip(first..) {
+            self.matrix.gather(row, from.as_slice_mut().expect(WHOLE_ROWS));
+        }
+        self.transform.rows_into(from.view(), out);
+    }
+
+    /// Whether compressed rows of C would take more memory than all of its elements.
+    fn fill(&self) -> bool {
+        let (rows, to) = (self.matrix.rows(), self.transform.output().lights());
+        let (mut non_zeros, mut probed) = (0, 0);
+        let mut out = Array2::zeros((1, to));
+        for row in (0..rows).step_by(rows.div_ceil(PROBED).max(1)) {
+            self.block(row, out.view_mut());
+            non_zeros += out.iter().filter(|v| **v != 0.0).count();
+            probed += to;
+        }
+        2 * non_zeros > probed
+    }
+
+    fn dense(&self, progress: &dyn Progress) -> Result<TransferMatrix> {
+        let (rows, basis) = (self.matrix.rows(), self.transform.output());
+        let (to, block) = (basis.lights(), block_of(self.matrix.lights()));
+        let mut values = vec![0f32; rows * to];
+        values.par_chunks_mut((block * to).max(1)).enumerate().try_for_each(|(i, out)| {
+            let count = block.min(rows - i * block);
+            self.block(i * block, ArrayViewMut2::from_shape((count, to), out).expect(WHOLE_ROWS));
+            progress.advance(count as u64)
+        })?;
+        TransferMatrix::from_dense(values, rows, self.matrix.shape().responses, basis)
+    }
+
+    fn sparse(&self, progress: &dyn Progress) -> Result<TransferMatrix> {
+        let (rows, basis) = (self.matrix.rows(), self.transform.output());
+        let block = block_of(self.matrix.lights());
+        // Blocks keep the sparse rows in order while threads fill them.
+        let blocks: Vec<(Vec<usize>, Vec<u32>, Vec<f32>)> = (0..rows.div_ceil(block))
+            .into_par_iter()
+            .map(|i| {
+                let mut out = Array2::zeros((block.min(rows - i * block), basis.lights()));
+                self.block(i * block, out.view_mut());
+                progress.advance(out.nrows() as u64)?;
+                Ok(non_zeros(out.view()))
+            })
+            .collect::<Result<_>>()?;
+        let mut offsets = vec![0];
+        let (mut columns, mut values) = (Vec::new(), Vec::new());
+        for (lengths, block_columns, block_values) in blocks {
+            for length in lengths {
+                offsets.push(offsets[offsets.len() - 1] + length);
+            }
+            columns.extend(block_columns);
+            values.extend(block_values);
+        }
+        TransferMatrix::from_csr(offsets, columns, values, self.matrix.shape().responses, basis)
+    }
 }
 
 const WHOLE_ROWS: &str = "a block is whole rows";
-
-fn transform_sparse(
-    matrix: &TransferMatrix,
-    transform: &dyn LightTransform,
-    progress: &dyn Progress,
-) -> Result<TransferMatrix> {
-    let (rows, basis) = (matrix.rows(), transform.output());
-    let block = block_of(matrix.lights());
-    // Blocks keep the sparse rows in order while threads fill them.
-    let blocks: Vec<(Vec<usize>, Vec<u32>, Vec<f32>)> = (0..rows.div_ceil(block))
-        .into_par_iter()
-        .map(|i| {
-            let numbers = i * block..rows.min((i + 1) * block);
-            let mut from = Array2::zeros((numbers.len(), matrix.lights()));
-            for (mut from, row) in from.outer_iter_mut().zip(numbers.clone()) {
-                matrix.gather(row, from.as_slice_mut().expect(WHOLE_ROWS));
-            }
-            let mut out = Array2::zeros((numbers.len(), basis.lights()));
-            transform.rows_into(from.view(), out.view_mut());
-            progress.advance(numbers.len() as u64)?;
-            Ok(non_zeros(out.view()))
-        })
-        .collect::<Result<_>>()?;
-    let mut offsets = vec![0];
-    let (mut columns, mut values) = (Vec::new(), Vec::new());
-    for (lengths, block_columns, block_values) in blocks {
-        for length in lengths {
-            offsets.push(offsets[offsets.len() - 1] + length);
-        }
-        columns.extend(block_columns);
-        values.extend(block_values);
-    }
-    TransferMatrix::from_csr(offsets, columns, values, matrix.shape().responses, basis)
-}
 
 /// Elements of each row that are not 0, and their columns and values.
 fn non_zeros(rows: ArrayView2<f32>) -> (Vec<usize>, Vec<u32>, Vec<f32>) {
