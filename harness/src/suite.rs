@@ -75,8 +75,8 @@ const METHODS: [&str; 15] = [
     "srbf+f16",
 ];
 /// Vectors and subspaces that samples share.
-const QUICK_CLUSTERS: [&str; 2] = ["pca", "cpca:clusters=16"];
-const CLUSTERS: [&str; 7] = [
+const QUICK_CLUSTERS: [&str; 3] = ["pca", "cpca:clusters=16", "srbf:centers=162+cta:clusters=4"];
+const CLUSTERS: [&str; 10] = [
     "vq:clusters=32",
     "vq:clusters=128",
     "pca:components=32",
@@ -84,8 +84,11 @@ const CLUSTERS: [&str; 7] = [
     "cpca:clusters=16:mode=iterative",
     "cpca:clusters=16:mode=adaptive:weights=i16:representatives=i16",
     "cpca:clusters=auto:max_error=1e-2",
+    "tucker:max_error=1e-2",
+    "srbf+cta:clusters=16:light=24:sample=8",
+    "srbf+cta:clusters=16:light=24:sample=8:numbers=coded",
 ];
-const FULL_CLUSTERS: [&str; 7] = [
+const FULL_CLUSTERS: [&str; 11] = [
     "vq:clusters=512",
     "pca:components=128",
     "cpca:clusters=64",
@@ -93,6 +96,10 @@ const FULL_CLUSTERS: [&str; 7] = [
     "cpca:clusters=64:mode=adaptive",
     "cpca:clusters=64:norm=radiance",
     "srbf+cpca:clusters=64",
+    "srbf+cta",
+    "srbf+cta:members=2",
+    "haar:scale=sphere+cta",
+    "srbf+tucker",
 ];
 const FULL_METHODS: [&str; 11] = [
     "bicluster:objective=flops",

@@ -16,25 +16,30 @@ const WEIGHTS: Sections = Sections { numbers: "weights/weights", scales: "weight
 
 /// Writes everything but the layout.
 pub(crate) fn write(encoded: &EncodedCta, sink: &mut Sink) {
-    write_all(encoded, sink, Numbers::write_apart);
+    let EncodedCta { layout, ids, light, dual, weights, shape, .. } = encoded;
+    write_others(encoded, sink);
+    light.write_sorted(sink, LIGHT, rows_of_lights(layout.end().light, shape.lights));
+    dual.write_sorted(sink, DUAL, layout.rows_of_duals());
+    weights.write_sorted(sink, WEIGHTS, layout.rows_of_weights(shape.samples, ids));
 }
 
 /// As relighting holds it.
 pub(crate) fn hold(encoded: &EncodedCta, sink: &mut Sink) {
-    write_all(encoded, sink, Numbers::write);
+    write_others(encoded, sink);
+    encoded.light.write(sink, LIGHT);
+    encoded.dual.write(sink, DUAL);
+    encoded.weights.write(sink, WEIGHTS);
 }
 
-fn write_all(encoded: &EncodedCta, sink: &mut Sink, put: impl Fn(&Numbers, &mut Sink, Sections)) {
-    let EncodedCta { layout, ids, view, light, dual, weights, .. } = encoded;
+/// Everything but numbers.
+fn write_others(encoded: &EncodedCta, sink: &mut Sink) {
+    let EncodedCta { layout, ids, view, light, .. } = encoded;
     let width = light.width() as u32;
     // Ids are 32 bits, so that a cluster's place fits one; responses, views and memberships are fewer.
     sink.put(HEADER, &[layout.clusters() as u32, layout.memberships as u32, layout.views as u32, width]);
     if let Some(view) = view {
         sink.put(VIEW, view.as_slice().expect("a view basis is contiguous"));
     }
-    put(light, sink, LIGHT);
-    put(dual, sink, DUAL);
-    put(weights, sink, WEIGHTS);
     ids.write(sink);
 }
 
@@ -64,10 +69,10 @@ pub(crate) fn read(shape: Shape, source: &mut Source) -> Result<EncodedCta> {
     let end = layout.end();
     let of_light = rows_of_lights(end.light, shape.lights);
     let count = [end.light.saturating_mul(shape.lights), end.light];
-    let light = Numbers::read_apart(source, LIGHT, width, count, of_light)?;
-    let dual = Numbers::read_apart(source, DUAL, width, [end.dual, end.sample], layout.rows_of_duals())?;
+    let light = Numbers::read_sorted(source, LIGHT, width, count, of_light)?;
+    let dual = Numbers::read_sorted(source, DUAL, width, [end.dual, end.sample], layout.rows_of_duals())?;
     let count = [layout.first_weight(shape.samples, &ids), end.sample];
     let of_weights = layout.rows_of_weights(shape.samples, &ids);
-    let weights = Numbers::read_apart(source, WEIGHTS, width, count, of_weights)?;
+    let weights = Numbers::read_sorted(source, WEIGHTS, width, count, of_weights)?;
     Ok(EncodedCta { shape, layout, ids, view, light, dual, weights, note: None })
 }
