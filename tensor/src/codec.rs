@@ -1,11 +1,9 @@
 //! The codec `cta`.
 
-use crate::basis::Ranks;
 use crate::encoded::EncodedCta;
 use crate::model::{Cluster, Model};
 use crate::params::CtaParams;
-use crate::search::{Found, Plan, Sweep, search};
-use crate::slabs::Slabs;
+use crate::search::{Found, Plan, Ranks, Slabs, Sweep, search};
 use ndarray::Array2;
 use prt_transfer::groups::Groups;
 use prt_transfer::samples::Samples;

@@ -47,21 +47,14 @@
 //! ```
 
 mod apply;
-mod assign;
-mod basis;
 mod codec;
-mod elbg;
 mod encoded;
 mod global;
 mod kernel;
 mod layout;
 mod model;
 mod params;
-mod products;
 mod search;
-mod slabs;
-mod soft;
-mod start;
 mod steps;
 pub mod tucker;
 mod wire;

@@ -1,8 +1,8 @@
 //! The enhanced LBG algorithm (Patanè and Russo 2001): means that move from where they are of little use to where they are missed.
 
-use crate::products;
-use crate::slabs::{Slabs, square};
-use crate::start::{hash, pick};
+use super::lines::{hash, pick};
+use super::products;
+use super::slabs::{Slabs, square};
 use ndarray::Array2;
 use prt_transfer::groups::Groups;
 use prt_transfer::{Progress, Result};

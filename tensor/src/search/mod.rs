@@ -1,17 +1,27 @@
 //! The three phases of clustered tensor approximation (Tsai and Shih 2006, §5.2).
 
-use crate::assign::{Assignment, Candidates, Stacked, assign};
-use crate::basis::{Basis, Ranks, fit};
-use crate::elbg::elbg;
+mod assign;
+mod basis;
+mod elbg;
+mod lines;
+mod products;
+mod shared;
+mod slabs;
+
 use crate::params::Start;
-use crate::products;
-use crate::slabs::{Slabs, square};
-use crate::soft::Shared;
-use crate::start::lines;
+use assign::{Assignment, Candidates, Stacked, assign};
+use basis::Basis;
+pub(crate) use basis::Ranks;
+use basis::fit;
+use elbg::elbg;
+use lines::lines;
 use ndarray::Array2;
 use prt_transfer::groups::Groups;
 use prt_transfer::{Progress, Result};
 use rayon::prelude::*;
+use shared::Shared;
+pub(crate) use slabs::Slabs;
+use slabs::square;
 
 /// What the search is asked for.
 #[derive(Clone, Copy, Debug)]

@@ -6,10 +6,10 @@
 //! Given the clusters of the samples each basis is fitted to what the others leave of its members, one after the other. Neither step raises
 //! the error.
 
-use crate::assign::Stacked;
-use crate::basis::{Basis, Ranks, fit};
-use crate::products;
-use crate::slabs::{Slabs, square};
+use super::assign::Stacked;
+use super::basis::{Basis, Ranks, fit};
+use super::products;
+use super::slabs::{Slabs, square};
 use ndarray::{Array2, ArrayView1, ArrayViewMut2, Axis, s};
 use prt_transfer::linalg::Cholesky;
 use prt_transfer::{Error, Result};

@@ -1,6 +1,6 @@
 //! Samples as matrices: the tensor of samples x views x lights.
 
-use crate::products;
+use super::products;
 use ndarray::{Array2, ArrayView2};
 use prt_transfer::linalg;
 use rayon::prelude::*;

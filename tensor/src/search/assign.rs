@@ -1,7 +1,7 @@
 //! Which cluster keeps most of a sample.
 
-use crate::products;
-use crate::slabs::{Slabs, square};
+use super::products;
+use super::slabs::{Slabs, square};
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 use prt_transfer::groups::Groups;
 use rayon::prelude::*;

@@ -1,7 +1,7 @@
 //! The bases of a cluster, and their fit to its members (Tsai and Shih 2006, §5.2.3).
 
-use crate::products::{self, Leading};
-use crate::slabs::Slabs;
+use super::products::{self, Leading};
+use super::slabs::Slabs;
 use ndarray::{Array2, ArrayView2};
 use prt_transfer::Result;
 

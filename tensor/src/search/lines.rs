@@ -1,7 +1,7 @@
 //! Where the search for clusters starts: lines through the origin.
 
-use crate::assign::{Stacked, assign};
-use crate::slabs::Slabs;
+use super::assign::{Stacked, assign};
+use super::slabs::Slabs;
 use ndarray::{Array2, Axis};
 use prt_transfer::groups::Groups;
 use prt_transfer::random::Random;
@@ -57,7 +57,7 @@ fn draw(slabs: &Slabs, scale: &[f32], clusters: usize, seed: u64) -> Result<Vec<
         let Some(sample) = pick(&hashes, &left, drawn.len()) else { break };
         drawn.push(sample);
         let line = direction(slabs, scale, &[(sample as u32, 1.0)]);
-        let along = crate::products::times_transposed(slabs.by_sample(), line.view());
+        let along = super::products::times_transposed(slabs.by_sample(), line.view());
         for ((left, along), scale) in left.iter_mut().zip(&along).zip(scale) {
             let outside = 1.0 - f64::from(along * scale).powi(2);
             *left = if outside < 1e-6 { 0.0 } else { left.min(outside) };
