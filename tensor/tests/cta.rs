@@ -191,6 +191,9 @@ fn narrow_numbers_add_as_much_as_they_may() {
     }
 }
 
+/// A name, elements and their shape, clusters, and the most error.
+type Small = (&'static str, Vec<f32>, [usize; 3], usize, f64);
+
 #[test]
 fn what_is_less_than_the_ranks_has_the_exact_smaller_model() {
     let one = noise(72, 4);
@@ -199,7 +202,7 @@ fn what_is_less_than_the_ranks_has_the_exact_smaller_model() {
     (0..60).for_each(|x| zero_slice[x * 72 + 18..x * 72 + 36].fill(0.0));
     let mut zero_sample = noise(5 * 72, 7);
     zero_sample[72..144].fill(0.0);
-    let cases: [(&str, Vec<f32>, [usize; 3], usize, f64); 5] = [
+    let cases: [Small; 5] = [
         ("all equal", equal, SHAPE, 3, 1e-11),
         ("one sample", one, [1, 4, 18], 3, 1e-11),
         ("fewer members than ranks", noise(5 * 72, 8), [5, 4, 18], 2, 1e-11),
