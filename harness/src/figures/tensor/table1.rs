@@ -119,8 +119,12 @@ fn ours(stage: &Stage, mesh: &Mesh) -> anyhow::Result<Ours> {
     })
 }
 
-/// The paper's ranks (view 8, light 48, sample 24), then every BRDF term; numbers of 16 bits, then coded ones.
+/// View rank and storage: the paper's ranks (light 48, sample 24), then every BRDF term; numbers of 16 bits, then coded ones.
+pub(super) static SETTINGS: [(usize, Storage); 4] =
+    [(8, Storage::I16), (8, Storage::Coded), (16, Storage::I16), (16, Storage::Coded)];
+
+/// The label of each of [`SETTINGS`].
 pub(super) fn labels(clusters: usize) -> Vec<String> {
-    let all = [8, 16].into_iter().flat_map(|view| [Storage::I16, Storage::Coded].map(|numbers| (view, numbers)));
-    all.map(|(view, numbers)| label(&CtaParams { clusters, view, numbers, ..CtaParams::default() })).collect()
+    let params = SETTINGS.iter().map(|&(view, numbers)| CtaParams { clusters, view, numbers, ..CtaParams::default() });
+    params.map(|params| label(&params)).collect()
 }

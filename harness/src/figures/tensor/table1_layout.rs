@@ -1,20 +1,32 @@
 //! Table 1 as people and as programs read it.
 
 use super::encoding::{Encoding, Figures};
-use super::table1::{Line, Measured, Ours};
+use super::table1::{Line, Measured, Ours, SETTINGS};
 use crate::machine::Machine;
 use crate::number;
 use crate::table::aligned;
+use prt_transfer::params::Value;
 
 const TITLE: &str = "Table 1: transfer in lobes and clustered tensors (Tsai and Shih 2006)";
 
 /// The paper's line, then a line for each of our labels; then what failed.
 pub(super) fn text(lines: &[Measured]) -> String {
-    let titles =
-        ["model", "vertices", "in memory", "file", "T / file", "SRBF", "+ CTA", "encode s", "peak", "relight ms"];
+    let titles = [
+        "model",
+        "vertices",
+        "clusters",
+        "in memory",
+        "file",
+        "T / file",
+        "SRBF",
+        "+ CTA",
+        "encode s",
+        "peak",
+        "relight ms",
+    ];
     let rows = lines.iter().flat_map(|measured| {
         let ours = measured.ours.iter().flatten();
-        std::iter::once(of_paper(measured.line)).chain(ours.flat_map(|ours| ours.encodings.iter().map(|e| of(ours, e))))
+        std::iter::once(of_paper(measured.line)).chain(ours.flat_map(|ours| (0..SETTINGS.len()).map(|i| of(ours, i))))
     });
     let table = aligned(&titles, rows);
     let subjects = lines.iter().filter_map(|line| line.ours.as_ref()?.as_ref().ok()).map(subject);
@@ -33,18 +45,20 @@ fn of_paper(line: &Line) -> Vec<String> {
     let Line { model, vertices, clusters, bytes: [raw, _, file], errors, seconds, .. } = line;
     let (file_bytes, ratio) = (number::bytes(*file as u64), number::short(raw / file));
     let [srbf, cta] = errors.map(number::short);
-    let name = format!("{model}, the paper's, {clusters} clusters");
+    let name = format!("{model}, the paper's");
     let (vertices, seconds, none) = (format!("{vertices}k"), format!("{}", seconds[1]), || "-".to_string());
-    vec![name, vertices, none(), file_bytes, ratio, srbf, cta, seconds, none(), none()]
+    vec![name, vertices, clusters.to_string(), none(), file_bytes, ratio, srbf, cta, seconds, none(), none()]
 }
 
-fn of(ours: &Ours, encoding: &Encoding) -> Vec<String> {
+fn of(ours: &Ours, setting: usize) -> Vec<String> {
+    let (encoding, (view, numbers)) = (&ours.encodings[setting], SETTINGS[setting]);
     let figure = |show: &dyn Fn(&Figures) -> Option<String>| {
         encoding.figures.as_ref().ok().and_then(show).unwrap_or_else(|| "-".into())
     };
     vec![
-        format!("  {}", encoding.label),
+        format!("  view={view}, {}", numbers.show()),
         ours.samples.to_string(),
+        ours.clusters.to_string(),
         figure(&|f| Some(number::bytes(f.resident_bytes))),
         figure(&|f| Some(number::bytes(f.file_bytes))),
         figure(&|f| Some(number::short(ours.bytes[0] as f64 / f.file_bytes as f64))),
