@@ -104,7 +104,7 @@ fn chart(size: [usize; 3], outcomes: &[Outcome]) -> Curves {
         title: "Four ways to a Tucker decomposition: error and time".into(),
         subject: format!("{a} x {b} x {c} · {}", formulas.join(" · ")),
         names: ALGORITHMS.map(|(_, name)| name.to_string()).into(),
-        remark: Some("numbers: R of ranks R x R/2 x R".into()),
+        remark: Some("numbers: R of ranks R x min(R/2, 12) x R".into()),
         apart: true,
         planes: TENSORS.iter().map(plane).collect(),
     }

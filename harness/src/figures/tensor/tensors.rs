@@ -16,8 +16,8 @@ pub(super) struct Tensor {
 pub(super) static TENSORS: [Tensor; 3] = [
     Tensor {
         name: "smooth",
-        formula: "exp(-20 (x - z - 0.3 y)²)",
-        fill: |size| sampled(size, |[x, y, z]| (-20.0 * (x - z - 0.3 * y).powi(2)).exp()),
+        formula: "exp(-100 (x - z - 0.3 y)²)",
+        fill: |size| sampled(size, |[x, y, z]| (-100.0 * (x - z - 0.3 * y).powi(2)).exp()),
     },
     Tensor {
         name: "rough",
