@@ -102,7 +102,11 @@ fn chart(coefficients: &Coefficients, outcomes: &[Outcome]) -> Curves {
     let of = |storage: usize| outcomes.iter().filter(move |o| o.storage == storage);
     let curve = |storage: usize, sweep: usize| {
         let dot = |o: &Outcome| o.point().map(|(x, y)| Dot { x, y, label: o.value.to_string() });
-        of(storage).filter(|o| o.sweep == sweep).filter_map(dot).collect()
+        let mut dots: Vec<Dot> = of(storage).filter(|o| o.sweep == sweep).filter_map(dot).collect();
+        // All curves meet at the paper's ranks, where there is no room.
+        let last = dots.len().saturating_sub(1);
+        dots.iter_mut().take(last).skip(1).for_each(|dot| dot.label.clear());
+        dots
     };
     let best = |storage: usize| {
         let points: Vec<(f64, f64)> = of(storage).filter_map(Outcome::point).map(|(x, y)| (y, x)).collect();
@@ -119,7 +123,7 @@ fn chart(coefficients: &Coefficients, outcomes: &[Outcome]) -> Curves {
         title: "SRBF and CTA: what clusters and ranks are worth".into(),
         subject: subject(coefficients),
         names: names.chain(STORAGES.map(|s| format!("best of {}", s.show()))).collect(),
-        remark: Some("numbers: the parameter of the curve".into()),
+        remark: Some("numbers: the ends of a curve".into()),
         apart: false,
         planes: panels.chain([plane("the best of all: relative squared error".into(), fronts)]).collect(),
     }

@@ -10,7 +10,7 @@ use crate::machine::Machine;
 use crate::measure::{Bench, Pools};
 use crate::registry::{method, registry};
 use crate::timing::Budget;
-use prt_cpca::{Clusters, CpcaParams};
+use prt_cpca::CpcaParams;
 use prt_transfer::io::prt;
 use prt_transfer::scene::separable::Terms;
 use prt_transfer::{Label, Metric, Quiet, Shape};
@@ -145,23 +145,17 @@ fn rivals_of_a_size_store_about_as_many_numbers() {
     for (samples, size) in [(3000, 1), (3000, 2), (2600, 4)] {
         let shape = Shape::new(samples, 16, 6144).unwrap();
         let numbers = table2::numbers(shape, size);
-        for segments in [1, 24] {
-            let rivals = table2::cpca(shape, numbers, segments);
-            assert!(!rivals.is_empty() && rivals.iter().all(|label| is_shortest(label)), "{rivals:?}");
-            for label in rivals {
-                let stage = label.parse::<Label>().unwrap().codec;
-                let CpcaParams { clusters: Clusters::Number(clusters), components, .. } =
-                    CpcaParams::from_stage(&stage).unwrap()
-                else {
-                    panic!("{label}")
-                };
-                let of = |components| clusters * (components + 1) * 16 * 6144 + components * segments * samples;
-                assert!(of(components) <= numbers && numbers < of(components + 1), "{label}");
-            }
+        for (segments, clusters) in [(1, 1), (1, 2), (24, 1), (24, 2), (24, 4)] {
+            let params = table2::cpca(shape, numbers as f64, segments, clusters).unwrap();
+            assert!(is_shortest(&params.to_stage().to_string()));
+            let more = CpcaParams { components: params.components + 1, ..params.clone() };
+            let [found, above] = [&params, &more].map(|params| table2::numbers_of_cpca(shape, params, segments));
+            assert!(found <= numbers && numbers < above, "{params:?}");
         }
-        let CtaParams { clusters, sample, light, view, .. } = table2::cta(shape, size, numbers as f64);
-        let stored = clusters * light * (642 + sample * view) + samples * sample;
-        assert!((stored as f64 / numbers as f64 - 1.0).abs() < 0.03, "{clusters} {sample}: {stored} {numbers}");
+        assert!(table2::cpca(shape, 98_303.0, 1, 1).is_none(), "no room for a mean");
+        let params = table2::cta(shape, size, numbers as f64);
+        let stored = table2::numbers_of_cta(shape, &params);
+        assert!((stored as f64 / numbers as f64 - 1.0).abs() < 0.03, "{params:?}: {stored} {numbers}");
     }
 }
 
