@@ -39,6 +39,11 @@ pub fn of_difference(matrix: &TransferMatrix, compressed: &Compressed, metric: &
     by_samples(matrix, metric, |row, out| compressed.row_into(row, out))
 }
 
+/// Sums of C - C̃ of T ≈ C·B, given C.
+pub fn of_coefficients(coefficients: &TransferMatrix, compressed: &Compressed, metric: &Metric) -> Sums {
+    by_samples(coefficients, metric, |row, out| compressed.coefficient_row_into(row, out))
+}
+
 /// `error / whole`; an error where there is nothing to be relative to is infinite.
 pub fn relative(error: f64, whole: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / whole }

@@ -352,6 +352,10 @@ impl Compressed {
         check_apply(shape, &coefficients, &out)?;
         self.encoded.apply_into(coefficients, out)
     }
+    /// Reconstructs a row of C of T̃ = C·B, which [`Compressed::row_into`] takes back to T's columns; `out.len()` = C's columns.
+    pub fn coefficient_row_into(&self, row: usize, out: &mut [f32]) {
+        self.encoded.row_into(row, out);
+    }
     /// Reconstructs a row of T̃; `out.len()` = lights.
     pub fn row_into(&self, row: usize, out: &mut [f32]) {
         if self.transform.is_identity() {

@@ -1,4 +1,4 @@
-//! Curves over planes with two logarithmic axes; all panels have one scale upwards.
+//! Curves over planes with two logarithmic axes; panels have one scale upwards, unless they show different things.
 
 use super::axis::LogAxis;
 use super::grid::{self, Grid};
@@ -31,6 +31,8 @@ pub struct Curves {
     pub names: Vec<String>,
     /// What the labels of points say, if there are any.
     pub remark: Option<String>,
+    /// Whether each panel has a scale of its own upwards.
+    pub apart: bool,
     /// One panel each.
     pub planes: Vec<Plane>,
 }
@@ -84,11 +86,12 @@ impl Curves {
         let grid = if self.planes.len() <= 3 { HIGH } else { LOW };
         let mut scene = grid.page(&self.title, &self.subject, self.planes.len());
         grid::legend(&mut scene, &self.names, |_| LINE, self.remark.as_deref());
-        let dots = || self.planes.iter().flat_map(|plane| &plane.curves).flatten().filter(|dot| dot.is_drawable());
         for (i, plane) in self.planes.iter().enumerate() {
             let frame = grid.frame(i);
-            // One scale upwards for all panels, so that they can be compared.
-            let upwards = LogAxis::new(dots().map(|dot| dot.y), frame.bottom, frame.top);
+            // One scale upwards for all panels, so that they can be compared; unless nobody would.
+            let shown = if self.apart { std::slice::from_ref(plane) } else { &self.planes[..] };
+            let dots = shown.iter().flat_map(|plane| &plane.curves).flatten().filter(|dot| dot.is_drawable());
+            let upwards = LogAxis::new(dots.map(|dot| dot.y), frame.bottom, frame.top);
             grid::heading(&mut scene, &frame, &plane.upwards);
             plane.draw(&mut scene, &upwards, frame);
         }
@@ -175,7 +178,7 @@ mod tests {
             references: references.clone(),
         });
         let (title, subject) = ("t".into(), "s".into());
-        Curves { title, subject, remark: None, names, planes: planes.into() }
+        Curves { title, subject, remark: None, names, apart: false, planes: planes.into() }
     }
 
     #[test]
@@ -200,13 +203,15 @@ mod tests {
     }
 
     #[test]
-    fn all_panels_have_one_scale_upwards() {
+    fn all_panels_have_one_scale_upwards_unless_they_stand_apart() {
         let mut chart = chart(vec![vec![dot(1.0, 1e-2), dot(10.0, 1e-3)]], Vec::new());
         chart.planes[1].curves[0].push(dot(5.0, 1e-6));
-        let svg = chart.svg(None);
-        let heights: Vec<&str> =
-            svg.split("<circle").skip(2).filter_map(|c| c.split("cy=\"").nth(1)?.split('"').next()).collect();
-        assert_eq!(heights[..2], heights[2..4], "{svg}");
+        for apart in [false, true] {
+            let svg = Curves { apart, ..chart.clone() }.svg(None);
+            let heights: Vec<&str> =
+                svg.split("<circle").skip(2).filter_map(|c| c.split("cy=\"").nth(1)?.split('"').next()).collect();
+            assert_eq!(heights[..2] != heights[2..4], apart, "{svg}");
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@ pub mod plot;
 pub mod setting;
 mod srbf;
 pub mod stage;
+mod tensor;
 
 use crate::charts::curves::Curves;
 use crate::machine::Machine;
@@ -54,7 +55,7 @@ pub struct Drawing {
 }
 
 /// Every paper.
-pub static PAPERS: [Paper; 2] = [clustered_pca::PAPER, srbf::PAPER];
+pub static PAPERS: [Paper; 3] = [clustered_pca::PAPER, srbf::PAPER, tensor::PAPER];
 
 /// Time for each relighting figure: short, since there are dozens; methods are timed in turn.
 const BUDGET: Duration = Duration::from_millis(20);
@@ -64,7 +65,7 @@ const VERTICES: u32 = 4000;
 /// Arguments of `prt figures`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  prt figures clustered-pca\n  prt figures clustered-pca --assets meshes --figure figure10 --figure table1\n  prt figures srbf --assets lights --figure lights"
+    after_help = "Examples:\n  prt figures clustered-pca\n  prt figures clustered-pca --assets meshes --figure figure10 --figure table1\n  prt figures srbf --assets lights --figure lights\n  prt figures tensor --assets meshes --figure table1"
 )]
 pub struct Figures {
     /// Which paper's

@@ -38,6 +38,7 @@ pub fn plot(
         subject,
         remark: remark.map(String::from),
         names: drawn.iter().map(|&i| curves[i].name.clone()).collect(),
+        apart: false,
         planes: costs.iter().map(plane).collect(),
     }
 }

@@ -92,7 +92,7 @@ impl<'a> Stage<'a> {
     }
 
     /// As [`Computation::new`] takes it.
-    fn place(&self, mesh: &Mesh) -> (String, Option<usize>, Up) {
+    pub fn place(&self, mesh: &Mesh) -> (String, Option<usize>, Up) {
         match (&self.meshes, mesh.file) {
             (Meshes::Files(folder), Some(file)) => (folder.join(file).display().to_string(), None, Up::Y),
             (Meshes::Files(_), None) => (mesh.built_in.into(), Some(mesh.vertices), Up::Z),

@@ -92,6 +92,7 @@ fn chart(matrix: &TransferMatrix, outcomes: &[Outcome]) -> Curves {
         subject: format!("{SCENE} · diffuse · {BASIS} · {} samples", matrix.shape().samples),
         remark: None,
         names: KINDS.map(String::from).into(),
+        apart: false,
         planes: vec![
             plane("relative squared error, f32", errors(0)),
             plane("relative squared error, f16", errors(1)),

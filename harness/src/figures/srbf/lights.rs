@@ -174,6 +174,7 @@ fn chart(outcomes: &[Outcome]) -> Curves {
         subject: format!("{BASIS}; 6 numbers for a lobe, 3 for a coefficient"),
         remark: None,
         names: METHODS.map(String::from).into(),
+        apart: false,
         planes: lights(outcomes).into_iter().map(plane).collect(),
     }
 }

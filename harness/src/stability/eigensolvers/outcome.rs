@@ -59,6 +59,7 @@ pub(super) fn chart(
     Curves {
         title: "Eigen-solvers: what is lost beyond the optimum, against time".into(),
         subject: format!("{rows} x {columns}, 1 to 16 components along each line; what lies at 10⁻¹⁴ is rounding"),
+        apart: false,
         remark: None,
         names: solvers.iter().map(Value::show).collect(),
         planes: spectra.iter().map(plane).collect(),

@@ -1,0 +1,251 @@
+//! Table 2: all-frequency CPCA beside SRBF and CTA at about equal bytes.
+
+use super::segments::{LENGTH, Segmented, Segments};
+use super::{available, label, own_clusters, spec};
+use crate::figures::setting::{Curve, Setting};
+use crate::figures::stage::{Mesh, Stage, Subject};
+use crate::figures::{Drawing, Figure};
+use crate::machine::Machine;
+use crate::number;
+use crate::scenes::{self, LIGHTS};
+use crate::signal::Spec;
+use crate::table::aligned;
+use ndarray::Array2;
+use prt_cpca::{Clusters, CpcaParams, Mode};
+use prt_tensor::CtaParams;
+use prt_transfer::numbers::Width;
+use prt_transfer::{Params, Shape};
+
+pub(super) const FIGURE: Figure = Figure { name: "table2", draw };
+
+const MESH: Mesh = Mesh { file: Some("bunny_3k.ply"), built_in: "blob", vertices: 3000 };
+/// Orthonormal over the sphere.
+const HAAR: &str = "haar:scale=sphere";
+/// Lobes of `srbf`.
+const LOBES: usize = 642;
+/// Small, middle and large: multiples of the least that CPCA of whole samples can use.
+const SIZES: [usize; 3] = [1, 2, 4];
+/// Representatives of whole samples in the small size, for 3000 vertices.
+const REPRESENTATIVES: f64 = 4.0;
+/// Clusters of CPCA that are tried.
+const CLUSTERS: [usize; 3] = [1, 2, 4];
+/// A file of CTA may differ so much from its size before its rank is chosen once more.
+const NEAR: f64 = 0.05;
+
+/// What is compared.
+const KINDS: [&str; 3] = ["CPCA of whole samples", "CPCA of segments", "SRBF and CTA"];
+
+/// A way to compress at a size.
+pub(super) struct Line {
+    /// Multiple of the least.
+    size: usize,
+    kind: &'static str,
+    method: String,
+    figures: Result<Segmented, String>,
+}
+
+fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
+    drawing(stage, &spec(), &SIZES)
+}
+
+/// The table of a signal at these sizes.
+pub(super) fn drawing(stage: &Stage, spec: &Spec, sizes: &[usize]) -> anyhow::Result<Drawing> {
+    let subject = stage.subject(&available(stage, &MESH), spec)?;
+    let segments = Segments::of(stage, subject.matrix(), HAAR)?;
+    let light = scenes::light(LIGHTS[0], subject.matrix().basis())?;
+    let mut rivals = Rivals { stage, subject: &subject, segments: &segments, light: &light, stored: [1.0; 3] };
+    let mut lines = Vec::new();
+    for &size in sizes {
+        lines.extend(rivals.of_size(size)?);
+    }
+    Ok(Drawing {
+        text: table(&subject, &lines),
+        tables: vec![("", csv(&subject, &lines, &stage.machine)?)],
+        chart: None,
+        measured: lines.iter().any(|line| line.figures.is_ok()),
+    })
+}
+
+/// What is compared, on what.
+struct Rivals<'a> {
+    stage: &'a Stage<'a>,
+    subject: &'a Subject,
+    segments: &'a Segments,
+    light: &'a Array2<f32>,
+    /// What files of each of [`KINDS`] take of the bytes of their numbers, as far as is known.
+    stored: [f64; 3],
+}
+
+impl Rivals<'_> {
+    /// CPCA of as many clusters as are tried, then CTA.
+    fn of_size(&mut self, size: usize) -> anyhow::Result<Vec<Line>> {
+        let shape = self.subject.matrix().shape();
+        let (bytes, count, mut stored) = (2 * numbers(shape, size), self.segments.count(), self.stored);
+        let mut lines = Vec::new();
+        for (kind, parts) in [(0, 1), (1, count)] {
+            for clusters in CLUSTERS {
+                let choose = |numbers| cpca(shape, numbers, parts, clusters);
+                let numbers_of = |params: &CpcaParams| numbers_of_cpca(shape, params, parts);
+                let measure = |params: &CpcaParams| self.cpca(size, kind, &params.to_stage().to_string());
+                lines.extend(near((bytes, &mut stored[kind]), choose, numbers_of, measure)?);
+            }
+        }
+        let choose = |numbers| Some(cta(shape, size, numbers));
+        let measure = |params: &CtaParams| self.whole(size, 2, label(params));
+        lines.extend(near((bytes, &mut stored[2]), choose, |params| numbers_of_cta(shape, params), measure)?);
+        self.stored = stored;
+        Ok(lines)
+    }
+
+    /// Of whole samples or of segments.
+    fn cpca(&self, size: usize, kind: usize, codec: &str) -> anyhow::Result<Line> {
+        if kind == 0 {
+            return self.whole(size, kind, format!("{HAAR}+{codec}"));
+        }
+        let method = format!("{HAAR}+{}x{codec}", self.segments.count());
+        self.stage.steps.show(&method);
+        let figures = self.segments.measure(self.stage, codec, self.light).map_err(|error| format!("{error:#}"));
+        Ok(Line { size, kind: KINDS[kind], method, figures })
+    }
+
+    /// As the bench measures.
+    fn whole(&self, size: usize, kind: usize, method: String) -> anyhow::Result<Line> {
+        let curves = [Curve::new(KINDS[kind], [Setting::whole(&method)])];
+        let row = self.stage.measure(self.subject, &curves)?.remove(0).row;
+        let figures = || {
+            Some(Segmented {
+                file_bytes: row.file_bytes?,
+                resident_bytes: row.resident_bytes?,
+                error: row.error_sphere?,
+                encode_s: row.encode_s?,
+                relight_ms: row.relight_rgb_all_ms?,
+            })
+        };
+        let figures = figures().filter(|_| row.is_ok()).ok_or_else(|| row.reason.clone());
+        Ok(Line { size, kind: KINDS[kind], method, figures })
+    }
+}
+
+/// What a size may store: so many representatives of whole samples, and weights for all but the mean.
+pub(super) fn numbers(shape: Shape, size: usize) -> usize {
+    let share = REPRESENTATIVES * shape.samples as f64 / MESH.vertices as f64;
+    let vectors = size * (share.round() as usize).max(1);
+    vectors * shape.responses * shape.lights + (vectors - 1) * shape.samples
+}
+
+/// A method whose file has about so many bytes; none where there is no room for any. Of what is to be stored in 16 bits the file takes the
+/// part `stored`: known from the line before, and if that was wrong measured again.
+fn near<P: PartialEq>(
+    (bytes, stored): (usize, &mut f64),
+    choose: impl Fn(f64) -> Option<P>,
+    numbers_of: impl Fn(&P) -> usize,
+    measure: impl Fn(&P) -> anyhow::Result<Line>,
+) -> anyhow::Result<Option<Line>> {
+    let numbers = |stored: f64| bytes as f64 / (2.0 * stored);
+    let Some(first) = choose(numbers(*stored)) else { return Ok(None) };
+    let line = measure(&first)?;
+    let Ok(Segmented { file_bytes, .. }) = line.figures else { return Ok(Some(line)) };
+    *stored = file_bytes as f64 / (2 * numbers_of(&first)) as f64;
+    let is_near = (file_bytes as f64 / bytes as f64 - 1.0).abs() < NEAR;
+    match choose(numbers(*stored)).filter(|again| !is_near && *again != first) {
+        Some(again) => measure(&again).map(Some),
+        None => Ok(Some(line)),
+    }
+}
+
+/// CPCA of no more than so many numbers in all segments: as many components as there is room for.
+pub(super) fn cpca(shape: Shape, numbers: f64, segments: usize, clusters: usize) -> Option<CpcaParams> {
+    let (mode, weights, representatives) = (Mode::Iterative, Width::I16, Width::I16);
+    let of = |components| {
+        let clusters = Clusters::Number(clusters);
+        CpcaParams { clusters, components, mode, weights, representatives, ..CpcaParams::default() }
+    };
+    let [none, one] = [0, 1].map(|components| numbers_of_cpca(shape, &of(components), segments) as f64);
+    (none <= numbers).then(|| of(((numbers - none) / (one - none)) as usize))
+}
+
+/// Means, components and weights of all segments.
+pub(super) fn numbers_of_cpca(shape: Shape, params: &CpcaParams, segments: usize) -> usize {
+    let Clusters::Number(clusters) = params.clusters else { return 0 };
+    clusters * (params.components + 1) * shape.responses * shape.lights + params.components * segments * shape.samples
+}
+
+/// The paper's members of a cluster, less in larger sizes, and its ranks of views and lights; the rank of samples is what there is
+/// room for.
+pub(super) fn cta(shape: Shape, size: usize, numbers: f64) -> CtaParams {
+    let (clusters, base) = ((own_clusters(shape.samples) * size).min(shape.samples), CtaParams::default());
+    let of = |sample| CtaParams { clusters, sample, ..base.clone() };
+    let [one, two] = [1, 2].map(|sample| numbers_of_cta(shape, &of(sample)) as f64);
+    of(((numbers - one) / (two - one)).round().clamp(0.0, 4095.0) as usize + 1)
+}
+
+/// Bases of the lights, dual bases and weights.
+pub(super) fn numbers_of_cta(shape: Shape, params: &CtaParams) -> usize {
+    let CtaParams { clusters, light, sample, .. } = *params;
+    clusters * light * (LOBES + sample * params.view.min(shape.responses)) + shape.samples * sample
+}
+
+fn table(subject: &Subject, lines: &[Line]) -> String {
+    let titles = ["method", "size", "file", "in memory", "error", "encode s", "relight ms"];
+    let rows = lines.iter().map(|line| {
+        let cells = match &line.figures {
+            Err(_) => ["-", "-", "failed", "-", "-"].map(String::from),
+            Ok(f) => [
+                number::bytes(f.file_bytes),
+                number::bytes(f.resident_bytes),
+                number::short(f.error),
+                number::short(f.encode_s),
+                number::short(f.relight_ms),
+            ],
+        };
+        [short(&line.method), line.size.to_string()].into_iter().chain(cells).collect()
+    });
+    let failed = lines.iter().filter_map(|line| Some(format!("{}: {}", line.method, line.figures.as_ref().err()?)));
+    let head = format!("\nTable 2: all-frequency CPCA, and SRBF with CTA, at about equal bytes\n{}", subject.title());
+    let segments = format!(
+        "cpca: of {HAAR}, iterative, numbers of 16 bits; 24xcpca: each of 24 segments of {LENGTH} Haar coefficients\n\
+         relighting starts with texels: srbf+cta has to turn them into lobes first"
+    );
+    [head, aligned(&titles, rows), segments].into_iter().chain(failed).collect::<Vec<_>>().join("\n")
+}
+
+/// Without what all lines share.
+fn short(method: &str) -> String {
+    let shared = [&format!("{HAAR}+"), ":mode=iterative", ":weights=i16", ":representatives=i16"];
+    shared.iter().fold(method.to_string(), |method, part| method.replace(part, ""))
+}
+
+fn csv(subject: &Subject, lines: &[Line], machine: &Machine) -> anyhow::Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record([
+        "subject",
+        "size",
+        "kind",
+        "method",
+        "status",
+        "reason",
+        "file_bytes",
+        "resident_bytes",
+        "error_sphere",
+        "encode_s",
+        "relight_rgb_all_ms",
+        "machine",
+    ])?;
+    for line in lines {
+        let head = [subject.title(), line.size.to_string(), line.kind.into(), line.method.clone()];
+        let figures = match &line.figures {
+            Err(reason) => ["failed", reason, "", "", "", "", ""].map(String::from),
+            Ok(f) => [
+                "ok".into(),
+                String::new(),
+                f.file_bytes.to_string(),
+                f.resident_bytes.to_string(),
+                f.error.to_string(),
+                f.encode_s.to_string(),
+                f.relight_ms.to_string(),
+            ],
+        };
+        writer.write_record(head.into_iter().chain(figures).chain([machine.line()]))?;
+    }
+    Ok(writer.into_inner()?)
+}
