@@ -33,7 +33,7 @@ const CLUSTERS: [usize; 3] = [1, 2, 4];
 const NEAR: f64 = 0.05;
 
 /// What is compared.
-const KINDS: [&str; 3] = ["CPCA of whole samples", "CPCA of segments", "SRBF and CTA"];
+const KINDS: [&str; 4] = ["CPCA of whole samples", "CPCA of segments", "SRBF and CTA", "SRBF and CTA, all views"];
 
 /// A way to compress at a size.
 pub(super) struct Line {
@@ -53,7 +53,7 @@ pub(super) fn drawing(stage: &Stage, spec: &Spec, sizes: &[usize]) -> anyhow::Re
     let subject = stage.subject(&available(stage, &MESH), spec)?;
     let segments = Segments::of(stage, subject.matrix(), HAAR)?;
     let light = scenes::light(LIGHTS[0], subject.matrix().basis())?;
-    let mut rivals = Rivals { stage, subject: &subject, segments: &segments, light: &light, stored: [1.0; 3] };
+    let mut rivals = Rivals { stage, subject: &subject, segments: &segments, light: &light, stored: [1.0; 4] };
     let mut lines = Vec::new();
     for &size in sizes {
         lines.extend(rivals.of_size(size)?);
@@ -73,7 +73,7 @@ struct Rivals<'a> {
     segments: &'a Segments,
     light: &'a Array2<f32>,
     /// What files of each of [`KINDS`] take of the bytes of their numbers, as far as is known.
-    stored: [f64; 3],
+    stored: [f64; 4],
 }
 
 impl Rivals<'_> {
@@ -90,9 +90,11 @@ impl Rivals<'_> {
                 lines.extend(near((bytes, &mut stored[kind]), choose, numbers_of, measure)?);
             }
         }
-        let choose = |numbers| Some(cta(shape, size, numbers));
-        let measure = |params: &CtaParams| self.whole(size, 2, label(params));
-        lines.extend(near((bytes, &mut stored[2]), choose, |params| numbers_of_cta(shape, params), measure)?);
+        for (kind, view) in [(2, CtaParams::default().view), (3, shape.responses)] {
+            let choose = |numbers| Some(cta(shape, size, view, numbers));
+            let measure = |params: &CtaParams| self.whole(size, kind, label(params));
+            lines.extend(near((bytes, &mut stored[kind]), choose, |params| numbers_of_cta(shape, params), measure)?);
+        }
         self.stored = stored;
         Ok(lines)
     }
@@ -170,11 +172,10 @@ pub(super) fn numbers_of_cpca(shape: Shape, params: &CpcaParams, segments: usize
     clusters * (params.components + 1) * shape.responses * shape.lights + params.components * segments * shape.samples
 }
 
-/// The paper's members of a cluster, less in larger sizes, and its ranks of views and lights; the rank of samples is what there is
-/// room for.
-pub(super) fn cta(shape: Shape, size: usize, numbers: f64) -> CtaParams {
+/// The paper's members of a cluster, less in larger sizes, and its rank of lights; the rank of samples is what there is room for.
+pub(super) fn cta(shape: Shape, size: usize, view: usize, numbers: f64) -> CtaParams {
     let (clusters, base) = ((own_clusters(shape.samples) * size).min(shape.samples), CtaParams::default());
-    let of = |sample| CtaParams { clusters, sample, ..base.clone() };
+    let of = |sample| CtaParams { clusters, view, sample, ..base.clone() };
     let [one, two] = [1, 2].map(|sample| numbers_of_cta(shape, &of(sample)) as f64);
     of(((numbers - one) / (two - one)).round().clamp(0.0, 4095.0) as usize + 1)
 }

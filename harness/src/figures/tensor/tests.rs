@@ -153,7 +153,7 @@ fn rivals_of_a_size_store_about_as_many_numbers() {
             assert!(found <= numbers && numbers < above, "{params:?}");
         }
         assert!(table2::cpca(shape, 98_303.0, 1, 1).is_none(), "no room for a mean");
-        let params = table2::cta(shape, size, numbers as f64);
+        let params = table2::cta(shape, size, 8, numbers as f64);
         let stored = table2::numbers_of_cta(shape, &params);
         assert!((stored as f64 / numbers as f64 - 1.0).abs() < 0.03, "{params:?}: {stored} {numbers}");
     }
@@ -165,7 +165,7 @@ fn table_2_has_every_rival_of_every_size() {
         let few = Spec { terms: Terms::Count(4), ..spec() };
         let drawing = table2::drawing(stage, &few, &[1, 2]).unwrap();
         let records = records(&drawing);
-        let kinds = ["CPCA of whole samples", "CPCA of segments", "SRBF and CTA"];
+        let kinds = ["CPCA of whole samples", "CPCA of segments", "SRBF and CTA", "SRBF and CTA, all views"];
         for (size, kind) in ["1", "2"].into_iter().flat_map(|size| kinds.map(|kind| (size, kind))) {
             let mut of = records.iter().filter(|r| r["size"] == size && r["kind"] == kind).peekable();
             assert!(of.peek().is_some() && of.all(|r| r["status"] == "ok"), "{size} {kind}: {records:?}");
