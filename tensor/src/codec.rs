@@ -3,7 +3,7 @@
 use crate::encoded::EncodedCta;
 use crate::model::{Cluster, Model};
 use crate::params::CtaParams;
-use crate::search::{Found, Plan, Ranks, Slabs, Sweep, search};
+use crate::search::{Found, MOST_ROWS, Plan, Ranks, Slabs, Sweep, search};
 use ndarray::Array2;
 use prt_transfer::groups::Groups;
 use prt_transfer::samples::Samples;
@@ -50,6 +50,11 @@ impl Configure for Cta {
         in_range("members", params.members, 1, MAX_MEMBERS)?;
         in_range("sweeps", params.sweeps, 0, MAX_SWEEPS)?;
         in_range("refine", params.refine, 1, MAX_SWEEPS)?;
+        if params.members > 1 && params.clusters * params.sample > MOST_ROWS {
+            let expected =
+                format!("at most {}, {MOST_ROWS} / clusters, where members is above 1", MOST_ROWS / params.clusters);
+            return Err(CtaParams::refuse("sample", params.sample, expected));
+        }
         if !(params.noise > 0.0 && params.noise <= 1.0) {
             return Err(CtaParams::refuse("noise", params.noise, "above 0, to 1"));
         }

@@ -36,6 +36,10 @@ impl Configure for TuckerCodec {
         if let Some(bound) = params.max_error.filter(|bound| !(LEAST_ERROR..=1.0).contains(bound)) {
             return Err(TuckerCodecParams::refuse("max_error", bound, format!("from {LEAST_ERROR:e} to 1")));
         }
+        let TuckerCodecParams { view, light, sample, .. } = TuckerCodecParams::default();
+        if params.max_error.is_some() && [params.view, params.light, params.sample] != [view, light, sample] {
+            return Err(TuckerCodecParams::refuse("max_error", "a bound", "none where view, light or sample is given"));
+        }
         if !(params.noise > 0.0 && params.noise <= 1.0) {
             return Err(TuckerCodecParams::refuse("noise", params.noise, "above 0, to 1"));
         }

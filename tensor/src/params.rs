@@ -38,7 +38,7 @@ prt_transfer::params! {
         light: usize = 48,
         /// Rank of the samples, 1 to 4096, of each cluster; no more than its data have.
         sample: usize = 24,
-        /// Clusters that a sample belongs to, 1 to 16: it is the sum of what they hold of it.
+        /// Clusters that a sample belongs to, 1 to 16, no more than there are: it is the sum of what they hold of it.
         members: usize = 1,
         /// Sweeps of reclassification at most, 0 to 1000.
         sweeps: usize = 20,
@@ -78,7 +78,7 @@ prt_transfer::params! {
         numbers: Storage = Storage::I16,
         /// Squared error that numbers=coded may add, as a part of the model's own, above 0 to 1.
         noise: f64 = 0.01,
-        /// Bound on Σ(T-T̃)²/ΣT² of what is decoded, in the norm, 1e-12 to 1: the ranks that just keep it, in place of view, light and sample.
+        /// Bound on Σ(T-T̃)²/ΣT² of what is decoded, in the norm, 1e-12 to 1: the ranks that just keep it; view, light and sample cannot be given then.
         max_error: Option<f64> = None,
     }
 }

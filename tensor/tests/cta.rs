@@ -240,10 +240,17 @@ fn parameters_out_of_range_are_refused_by_name() {
         (CtaParams { sample: 0, ..params() }, "sample"),
         (CtaParams { members: 17, ..params() }, "members"),
         (CtaParams { refine: 0, ..params() }, "refine"),
+        (CtaParams { members: 2, clusters: 5000, ..params() }, "sample"),
         (CtaParams { noise: 0.0, ..params() }, "noise"),
     ] {
         assert!(refused(params).contains(name), "{name}");
     }
+}
+
+#[test]
+fn ranks_and_a_bound_exclude_each_other() {
+    let params = TuckerCodecParams { max_error: Some(0.1), light: 7, ..Default::default() };
+    assert!(TuckerCodec::new(params).err().unwrap().to_string().contains("max_error"));
 }
 
 #[test]

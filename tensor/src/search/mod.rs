@@ -10,6 +10,7 @@ mod shared;
 mod slabs;
 
 pub(crate) use basis::Ranks;
+pub(crate) use shared::MOST_ROWS;
 pub(crate) use slabs::Slabs;
 
 use crate::params::Start;

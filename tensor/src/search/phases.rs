@@ -152,7 +152,7 @@ impl Search<'_> {
     /// Samples move into several clusters, and bases with them.
     pub(super) fn shared(&mut self, reduced: &Slabs, state: State) -> Result<Shared> {
         let (rank, mut converged) = (self.plan.ranks.sample, false);
-        let mut shared = Shared::new(reduced, state.bases, &state.members, self.plan.members)?;
+        let mut shared = Shared::new(reduced, state.bases, &state.members, self.plan.members);
         self.push(Phase::Sharing, rank, shared.kept, 0);
         for _ in 0..self.plan.refine {
             let (before, members) = (self.error(), shared.members.clone());

@@ -11,12 +11,12 @@ use super::basis::{Basis, Ranks, fit};
 use super::products;
 use super::slabs::{Slabs, square};
 use ndarray::{Array2, ArrayView1, ArrayViewMut2, Axis, s};
+use prt_transfer::Result;
 use prt_transfer::linalg::Cholesky;
-use prt_transfer::{Error, Result};
 use rayon::prelude::*;
 
 /// Rows of all bases together at most: their inner products are held in memory.
-const MOST_ROWS: usize = 1 << 14;
+pub(crate) const MOST_ROWS: usize = 1 << 14;
 /// Samples whose products with all bases are in memory at once, for each thread.
 const BLOCK: usize = 128;
 /// What is added to the diagonal of the inner products of bases that overlap, of a diagonal of ones.
@@ -43,24 +43,13 @@ struct Code {
 }
 
 impl Shared {
-    /// Each sample in so many of the clusters, the one it has among those that are tried.
-    ///
-    /// # Errors
-    /// More rows of bases than their inner products can be held of.
-    pub(crate) fn new(slabs: &Slabs, bases: Vec<Basis>, members: &[u32], memberships: usize) -> Result<Shared> {
-        let rows: usize = bases.iter().map(Basis::rank).sum();
-        if rows > MOST_ROWS {
-            return Err(Error::Unsupported {
-                what: "clusters x ranks of samples in several clusters".into(),
-                expected: format!("at most {MOST_ROWS}"),
-                found: rows.to_string(),
-            });
-        }
+    /// Each sample in so many of the clusters, of no more than [`MOST_ROWS`] rows.
+    pub(crate) fn new(slabs: &Slabs, bases: Vec<Basis>, members: &[u32], memberships: usize) -> Shared {
         let weights = vec![Vec::new(); members.len()];
         let mut shared = Shared { bases, memberships: 1, members: members.to_vec(), weights, kept: 0.0 };
         let memberships = memberships.min(shared.bases.len());
         shared.choose(slabs, memberships);
-        Ok(shared)
+        shared
     }
 
     /// Fits every basis in turn, then chooses clusters anew.
