@@ -2,17 +2,8 @@
 
 mod common;
 
-use common::{done, prt};
-use prt_harness::files::read_lights;
+use common::{difference, done, prt};
 use serde_json::Value;
-use std::path::Path;
-
-/// Σ (a - b)² / Σ b² of two files of responses.
-fn difference(folder: &Path, a: &str, b: &str) -> f64 {
-    let [a, b] = [a, b].map(|name| read_lights(&folder.join(name)).unwrap());
-    let square = |values: ndarray::Array2<f32>| values.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
-    square(&a - &b) / square(b)
-}
 
 #[test]
 fn a_fitted_light_relights_by_its_lobes_as_by_its_texels_and_turns() {

@@ -1,5 +1,6 @@
 //! How tests run the program.
 
+use prt_harness::files::read_lights;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -15,4 +16,12 @@ pub(crate) fn done(arguments: &[&str], folder: &Path) -> String {
     assert_eq!(output.status.code(), Some(0), "{arguments:?}: {errors}");
     assert_eq!(errors, "", "quiet where standard error is no terminal");
     String::from_utf8(output.stdout).unwrap()
+}
+
+#[allow(dead_code, reason = "each file of tests is a crate of its own, and not all compare responses")]
+/// Σ (a - b)² / Σ b² of two files of responses.
+pub(crate) fn difference(folder: &Path, a: &str, b: &str) -> f64 {
+    let [a, b] = [a, b].map(|name| read_lights(&folder.join(name)).unwrap());
+    let square = |values: ndarray::Array2<f32>| values.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
+    square(&a - &b) / square(b)
 }
