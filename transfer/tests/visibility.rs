@@ -5,6 +5,7 @@ use ndarray::Array2;
 use proptest::prelude::*;
 use prt_transfer::compact::Compact;
 use prt_transfer::hemisphere::local_directions;
+use prt_transfer::random::Random;
 use prt_transfer::scene::biscale::biscale;
 use prt_transfer::scene::bvh::Occluders;
 use prt_transfer::scene::frames;
@@ -114,9 +115,7 @@ proptest! {
             1 => (random(sample, texel) as f32).sqrt() * if seed % 3 == 0 { 1.0 } else { 0.0 },
             k => (k as f32 - 4.5) / 4.0,
         });
-        let encoded = assert_exact(&matrix);
-        // Frames keep 15 bits: one texel in thousands changes its row.
-        prop_assert!(exceptions(&encoded) <= 2 * frames.len() + matrix.non_zeros() / 300, "{} exceptions", exceptions(&encoded));
+        assert_exact(&matrix);
     }
 
     #[test]
@@ -130,6 +129,27 @@ proptest! {
         }
         assert_exact(&TransferMatrix::from_dense(values, 9, 9, matrix.basis().clone()).unwrap());
     }
+}
+
+#[test]
+fn few_columns_are_in_other_rows_than_a_fitted_frame_says() {
+    // Frames keep 15 bits, and of few texels not every frame is found: a part of all columns, over frames in general position.
+    let mut random = Random(7);
+    let (mut columns, mut exceptional) = (0, 0);
+    for resolution in 1..10 {
+        for edge in 1..=8 {
+            let frame = |random: &mut Random| {
+                let q = [0; 4].map(|_| random.normal());
+                let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();
+                q.map(|c| c / length)
+            };
+            let frames: Vec<[f64; 4]> = (0..8).map(|_| frame(&mut random)).collect();
+            let matrix = matrix(&frames, resolution, edge, |_, _, local| if local[2] > -0.3 { 0.25 } else { 0.0 });
+            columns += matrix.non_zeros();
+            exceptional += exceptions(&assert_exact(&matrix));
+        }
+    }
+    assert!(200 * exceptional < columns, "{exceptional} of {columns}");
 }
 
 #[test]
