@@ -97,6 +97,6 @@ fn planned(task: &Task, engine: &Engine, samples: &Samples, allowed: f64, progre
 
 /// Of all samples.
 fn energy(samples: &Samples) -> f64 {
-    let sums: Vec<f64> = samples.values().par_chunks(1 << 16).map(crate::head::square).collect();
+    let sums: Vec<f64> = samples.values().par_chunks(1 << 16).map(prt_transfer::samples::square).collect();
     sums.iter().sum()
 }

@@ -4,11 +4,12 @@
 //! |t_x - t_μ| and t_x + t_μ, and `|Vᵀ r| ≤ |V_hᵀ r_h| + ν ρ` with ν = |V_t|. Therefore
 //! `e² = |r|² - |Vᵀ r|² ≥ |r_h|² + ρ² - (a + ν ρ)²`, a = |V_hᵀ r_h|, of which the least over the interval of ρ is taken.
 
-use crate::head::{Head, Seen, square};
+use crate::head::{Head, Seen};
 use crate::subspaces::Subspaces;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
 use prt_transfer::Result;
 use prt_transfer::linalg;
+use prt_transfer::samples::square;
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 

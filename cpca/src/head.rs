@@ -7,7 +7,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2, ArrayViewMut2, s};
 use prt_transfer::Result;
 use prt_transfer::linalg;
 use prt_transfer::random::Random;
-use prt_transfer::samples::Samples;
+use prt_transfer::samples::{Samples, square};
 use rayon::prelude::*;
 
 /// Up to so many dimensions the head is everything.
@@ -137,15 +137,6 @@ impl Head {
         });
         seen.collect()
     }
-}
-
-pub(crate) fn square(vector: &[f32]) -> f64 {
-    // Strands that become vectors.
-    let mut sums = [0f64; 8];
-    let chunks = vector.chunks_exact(8);
-    let rest: f64 = chunks.remainder().iter().map(|v| f64::from(*v).powi(2)).sum();
-    chunks.for_each(|chunk| sums.iter_mut().zip(chunk).for_each(|(sum, v)| *sum += f64::from(*v).powi(2)));
-    rest + sums.iter().sum::<f64>()
 }
 
 /// The mean of all samples: sums of blocks in their order, whatever the threads.

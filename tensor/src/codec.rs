@@ -34,6 +34,8 @@ pub struct Approximation {
     pub converged: bool,
     /// Squared error Σ(T-T̃)² in the coordinates in which it was minimised, before numbers are stored.
     pub square: f64,
+    /// ΣT² in the same coordinates.
+    pub energy: f64,
 }
 
 impl Configure for Cta {
@@ -74,12 +76,12 @@ impl Cta {
         let shape = matrix.shape();
         if shape.rows() * shape.lights == 0 {
             let model = Model::empty(shape);
-            return Ok(Approximation { model, history: Vec::new(), converged: true, square: 0.0 });
+            return Ok(Approximation { model, history: Vec::new(), converged: true, square: 0.0, energy: 0.0 });
         }
         let samples = Samples::of(matrix, self.0.norm)?;
         if samples.values().iter().all(|v| *v == 0.0) {
             let model = Model::empty(shape);
-            return Ok(Approximation { model, history: Vec::new(), converged: true, square: 0.0 });
+            return Ok(Approximation { model, history: Vec::new(), converged: true, square: 0.0, energy: 0.0 });
         }
         let tensor = Slabs::lent(samples.values(), [shape.samples, shape.responses, shape.lights]);
         let CtaParams { clusters, view, light, sample, members, sweeps, refine, start, seed, .. } = self.0;
@@ -91,7 +93,7 @@ impl Cta {
 
 /// The model in the matrix's coordinates, without clusters that nobody is in.
 fn finish(samples: &Samples, shape: Shape, found: Found) -> Approximation {
-    let Found { view, bases, memberships, members, weights, square, history, converged } = found;
+    let Found { view, bases, memberships, members, weights, square, whole, history, converged } = found;
     let (of_weights, of_bases) = samples.scales();
     let groups = Groups::of(&members, bases.len());
     let kept: Vec<usize> = (0..bases.len()).filter(|&k| !groups.of_cluster(k).is_empty()).collect();
@@ -110,8 +112,8 @@ fn finish(samples: &Samples, shape: Shape, found: Found) -> Approximation {
         members: members.into_iter().map(|k| numbers[k as usize]).collect(),
         weights: weights.into_iter().flatten().map(|w| (f64::from(w) * of_weights) as f32).collect(),
     };
-    let scale = of_weights * of_bases;
-    Approximation { model, history, converged, square: square * scale * scale }
+    let scale = (of_weights * of_bases).powi(2);
+    Approximation { model, history, converged, square: square * scale, energy: whole * scale }
 }
 
 /// Rows taken back to the coordinates of the matrix.
@@ -127,10 +129,7 @@ impl Codec for Cta {
     type Encoded = EncodedCta;
     fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<EncodedCta> {
         let found = self.approximate(matrix, progress)?;
-        let whole: f64 = (0..matrix.rows())
-            .map(|row| matrix.row(row).non_zeros().map(|(_, v)| f64::from(v).powi(2)).sum::<f64>())
-            .sum();
-        let added = (self.0.noise * found.square).max(LEAST_ADDED * whole);
+        let added = (self.0.noise * found.square).max(LEAST_ADDED * found.energy);
         Ok(EncodedCta::store(&found.model, self.0.numbers, added).with_note(told(&found)))
     }
 }

@@ -174,6 +174,19 @@ impl Coordinates {
     }
 }
 
+/// The sum of squares, in double precision.
+pub fn square(vector: &[f32]) -> f64 {
+    // Strands that become vectors.
+    let mut sums = [0f64; 8];
+    let (chunks, rest) = vector.as_chunks::<8>();
+    for chunk in chunks {
+        for i in 0..8 {
+            sums[i] += f64::from(chunk[i]).powi(2);
+        }
+    }
+    sums.iter().sum::<f64>() + rest.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>()
+}
+
 /// The power of two of the largest magnitude, 0 where that is harmless.
 fn exponent(matrix: &TransferMatrix) -> i32 {
     let largest = (0..matrix.rows())

@@ -1,9 +1,10 @@
 //! Which cluster keeps most of a sample.
 
 use super::products;
-use super::slabs::{Slabs, square};
+use super::slabs::Slabs;
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 use prt_transfer::groups::Groups;
+use prt_transfer::samples::square;
 use rayon::prelude::*;
 
 /// Samples whose products with all clusters are in memory at once, for each thread.

@@ -2,9 +2,10 @@
 
 use super::lines::{hash, pick};
 use super::products;
-use super::slabs::{Slabs, square};
+use super::slabs::Slabs;
 use ndarray::Array2;
 use prt_transfer::groups::Groups;
+use prt_transfer::samples::square;
 use prt_transfer::{Progress, Result};
 use rayon::prelude::*;
 
@@ -24,6 +25,7 @@ struct Cells<'a> {
     members: Vec<u32>,
     /// Squared distances to the own mean.
     distances: Vec<f64>,
+    /// Of each cell, and how often was drawn: cells are in the order in which their samples were drawn, not in that of the samples.
     random: Vec<u64>,
     drawn: usize,
 }
@@ -47,12 +49,13 @@ pub(crate) fn elbg(slabs: &Slabs, clusters: usize, seed: u64, progress: &dyn Pro
 
 impl<'a> Cells<'a> {
     fn new(slabs: &'a Slabs<'a>, clusters: usize, seed: u64) -> Cells<'a> {
-        let random: Vec<u64> = (0..slabs.count).into_par_iter().map(|i| hash(slabs.row(i), seed)).collect();
+        let hashes: Vec<u64> = (0..slabs.count).into_par_iter().map(|i| hash(slabs.row(i), seed)).collect();
         let (mut weights, mut drawn) = (vec![1f64; slabs.count], Vec::new());
-        while let Some(sample) = pick(&random, &weights, drawn.len()).filter(|_| drawn.len() < clusters) {
+        while let Some(sample) = pick(&hashes, &weights, drawn.len()).filter(|_| drawn.len() < clusters) {
             weights[sample] = 0.0;
             drawn.push(sample as u32);
         }
+        let random = drawn.iter().map(|&sample| hashes[sample as usize]).collect();
         let means = slabs.gathered(&drawn).by_sample().to_owned();
         let (members, distances) = (vec![0; slabs.count], vec![0.0; slabs.count]);
         Cells { slabs, squares: slabs.squares(), means, members, distances, random, drawn: drawn.len() }
@@ -97,7 +100,7 @@ impl<'a> Cells<'a> {
             let high: Vec<f64> =
                 (0..cells).map(|k| if distortion[k] > mean && !touched[k] { distortion[k] } else { 0.0 }).collect();
             self.drawn += 1;
-            let Some(split) = pick(&self.random[..cells.min(self.random.len())], &high, self.drawn) else { return };
+            let Some(split) = pick(&self.random, &high, self.drawn) else { return };
             let Some(neighbour) = self.neighbour(cell).filter(|&n| !touched[n] && !touched[cell] && n != split) else {
                 continue;
             };

@@ -69,8 +69,9 @@ pub(crate) struct Found {
     pub(crate) members: Vec<u32>,
     /// For each membership the weights of the cluster.
     pub(crate) weights: Vec<Vec<f32>>,
-    /// Squared error.
+    /// Squared error, and the square of all samples.
     pub(crate) square: f64,
+    pub(crate) whole: f64,
     pub(crate) history: Vec<Sweep>,
     /// Whether all phases ended by themselves.
     pub(crate) converged: bool,
@@ -86,7 +87,7 @@ pub(crate) fn search(tensor: &Slabs, plan: &Plan, progress: &dyn Progress) -> Re
     progress.start("tensor approximation", (2 + plan.sweeps + 2 * plan.refine) as u64);
     let whole: f64 = tensor.squares().iter().sum();
     let view = first_view(tensor, plan.view)?;
-    let reduced = tensor.with_views(view.view());
+    let reduced = tensor.in_views(view.view());
     let head = light_head(&reduced)?;
     let mut search = Search { plan, progress, whole, history: Vec::new(), converged: true };
     let mut state = match &head {
@@ -105,7 +106,7 @@ pub(crate) fn search(tensor: &Slabs, plan: &Plan, progress: &dyn Progress) -> Re
     let Search { history, converged, .. } = search;
     let Shared { bases, memberships, members, weights, kept } = shared;
     let square = (whole - kept).max(0.0);
-    Ok(Found { view, bases, memberships, members, weights, square, history, converged })
+    Ok(Found { view, bases, memberships, members, weights, square, whole, history, converged })
 }
 
 /// U_viewᵀ with all other bases the identity (Eq. 14); the identity itself where the rank is not below the number of responses.

@@ -6,11 +6,12 @@ use super::elbg::elbg;
 use super::lines::lines;
 use super::products;
 use super::shared::Shared;
-use super::slabs::{Slabs, square};
+use super::slabs::Slabs;
 use super::{Phase, Plan, Sweep};
 use crate::params::Start;
 use ndarray::Array2;
 use prt_transfer::groups::Groups;
+use prt_transfer::samples::square;
 use prt_transfer::{Progress, Result};
 use rayon::prelude::*;
 
@@ -122,19 +123,19 @@ impl Search<'_> {
     }
 
     /// The approximation phase: all bases are refitted in turn, the dual ones last. `reduced` is the tensor in the first view basis.
-    pub(super) fn approximated(
+    pub(super) fn approximated<'t>(
         &mut self,
-        tensor: &Slabs,
-        reduced: Slabs<'static>,
+        tensor: &'t Slabs,
+        reduced: Slabs<'t>,
         view: Array2<f32>,
         state: &mut State,
-    ) -> Result<(Array2<f32>, Slabs<'static>)> {
+    ) -> Result<(Array2<f32>, Slabs<'t>)> {
         let (mut view, mut reduced, all) = (view, reduced, vec![true; state.bases.len()]);
         let (mut before, mut converged) = (f64::INFINITY, false);
         for sweep in 0..self.plan.refine {
             if sweep > 0 && view.nrows() < tensor.views {
                 view = refitted_view(tensor, &reduced, state, view.nrows())?;
-                reduced = tensor.with_views(view.view());
+                reduced = tensor.in_views(view.view());
             }
             let kept = refit(&reduced, state, &all, self.plan.ranks, 1)?;
             self.push(Phase::Approximation, self.plan.ranks.sample, kept, 0);

@@ -79,7 +79,8 @@ pub(crate) fn leading(a: ArrayView2<f32>, rank: usize) -> Result<Leading> {
     let left = leading_of_gram(&small, rank)?;
     let mut rows = Array2::zeros((left.squares.len(), n));
     linalg::times(left.rows.view(), wide.view(), rows.view_mut());
-    orthonormalise(&mut rows);
+    // Those of small singular values have lost some of their orthogonality.
+    let rows = linalg::orthonormal_columns(rows.t()).reversed_axes().as_standard_layout().into_owned();
     Ok(Leading { rows, squares: left.squares })
 }
 
@@ -96,24 +97,6 @@ pub(crate) fn leading_of_gram(gram: &Array2<f64>, rank: usize) -> Result<Leading
         }
     });
     Ok(Leading { rows, squares: spectrum.values[..kept].to_vec() })
-}
-
-/// Gram and Schmidt, twice, of rows that are none of them a combination of those before.
-fn orthonormalise(rows: &mut Array2<f64>) {
-    for i in 0..rows.nrows() {
-        let (before, mut rest) = rows.view_mut().split_at(Axis(0), i);
-        let mut row = rest.row_mut(0);
-        for _ in 0..2 {
-            let norm = row.dot(&row).sqrt();
-            row.mapv_inplace(|v| v / norm);
-            for other in before.outer_iter() {
-                let along = row.dot(&other);
-                row.scaled_add(-along, &other);
-            }
-        }
-        let norm = row.dot(&row).sqrt();
-        row.mapv_inplace(|v| v / norm);
-    }
 }
 
 #[cfg(test)]

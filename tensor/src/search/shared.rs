@@ -9,10 +9,11 @@
 use super::assign::Stacked;
 use super::basis::{Basis, Ranks, fit};
 use super::products;
-use super::slabs::{Slabs, square};
+use super::slabs::Slabs;
 use ndarray::{Array2, ArrayView1, ArrayViewMut2, Axis, s};
 use prt_transfer::Result;
 use prt_transfer::linalg::Cholesky;
+use prt_transfer::samples::square;
 use rayon::prelude::*;
 
 /// Rows of all bases together at most: their inner products are held in memory.

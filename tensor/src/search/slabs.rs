@@ -3,6 +3,7 @@
 use super::products;
 use ndarray::{Array2, ArrayView2};
 use prt_transfer::linalg;
+use prt_transfer::samples::square;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -24,6 +25,10 @@ impl<'a> Slabs<'a> {
 
     fn owned(values: Vec<f32>, [count, views, lights]: [usize; 3]) -> Slabs<'static> {
         Slabs { values: Cow::Owned(values), count, views, lights }
+    }
+
+    fn again(&self) -> Slabs<'_> {
+        Slabs::lent(&self.values, [self.count, self.views, self.lights])
     }
 
     /// Numbers of a sample.
@@ -60,7 +65,7 @@ impl<'a> Slabs<'a> {
     /// About so many samples, evenly spread over all; all where there are no more.
     pub(crate) fn some(&self, count: usize) -> Slabs<'_> {
         if self.count <= count {
-            return Slabs::lent(&self.values, [self.count, self.views, self.lights]);
+            return self.again();
         }
         let chosen: Vec<u32> = (0..self.count as u32).step_by(self.count.div_ceil(count)).collect();
         self.gathered(&chosen)
@@ -86,7 +91,7 @@ impl<'a> Slabs<'a> {
     }
 
     /// Mode-1 product: each sample T_x becomes `basis` (rank x views) · T_x.
-    pub(crate) fn with_views(&self, basis: ArrayView2<f32>) -> Slabs<'static> {
+    fn with_views(&self, basis: ArrayView2<f32>) -> Slabs<'static> {
         let (rank, lights) = (basis.nrows(), self.lights);
         let mut values = vec![0f32; self.count * rank * lights];
         values.par_chunks_mut((BLOCK * rank * lights).max(1)).enumerate().for_each(|(block, out)| {
@@ -96,6 +101,14 @@ impl<'a> Slabs<'a> {
             }
         });
         Slabs::owned(values, [self.count, rank, lights])
+    }
+
+    /// As [`Slabs::with_views`]; the same tensor, lent, where the basis has as many rows as there are views: it is the identity then.
+    pub(crate) fn in_views(&self, basis: ArrayView2<f32>) -> Slabs<'_> {
+        if basis.nrows() == self.views {
+            return self.again();
+        }
+        self.with_views(basis)
     }
 
     /// Mode-2 product: each sample T_x becomes T_x · `basis`ᵀ, `basis` being rank x lights.
@@ -108,16 +121,4 @@ impl<'a> Slabs<'a> {
     pub(crate) fn squares(&self) -> Vec<f64> {
         self.values.par_chunks(self.dimension().max(1)).map(square).collect()
     }
-}
-
-/// The sum of squares.
-pub(crate) fn square(row: &[f32]) -> f64 {
-    // Strands that become vectors.
-    let (mut sums, chunks) = ([0f64; 8], row.as_chunks::<8>());
-    for chunk in chunks.0 {
-        for i in 0..8 {
-            sums[i] += f64::from(chunk[i]).powi(2);
-        }
-    }
-    sums.iter().sum::<f64>() + chunks.1.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>()
 }
