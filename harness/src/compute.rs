@@ -6,6 +6,7 @@ use crate::scenes::{self, Up};
 use crate::signal::{Signal, Spec};
 use glam::DVec3;
 use prt_transfer::mesh::Mesh;
+use prt_transfer::samples::square;
 use prt_transfer::scene::biscale::biscale;
 use prt_transfer::scene::bounce::{Bounced, Interreflecting, interreflect};
 use prt_transfer::scene::brdf::Brdf;
@@ -238,8 +239,4 @@ impl<'a> Computation<'a> {
         let params = GlossyParams { coefficients: *coefficients, incident: *incident, light };
         Glossy::new(params, *coordinates, brdf, &self.sampling())
     }
-}
-
-fn square(rows: &[f32]) -> f64 {
-    rows.iter().map(|v| f64::from(*v).powi(2)).sum()
 }

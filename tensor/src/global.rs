@@ -37,8 +37,10 @@ impl Configure for TuckerCodec {
             return Err(TuckerCodecParams::refuse("max_error", bound, format!("from {LEAST_ERROR:e} to 1")));
         }
         let TuckerCodecParams { view, light, sample, .. } = TuckerCodecParams::default();
-        if params.max_error.is_some() && [params.view, params.light, params.sample] != [view, light, sample] {
-            return Err(TuckerCodecParams::refuse("max_error", "a bound", "none where view, light or sample is given"));
+        if let Some(bound) = params.max_error
+            && [params.view, params.light, params.sample] != [view, light, sample]
+        {
+            return Err(TuckerCodecParams::refuse("max_error", bound, "none where view, light or sample is given"));
         }
         if !(params.noise > 0.0 && params.noise <= 1.0) {
             return Err(TuckerCodecParams::refuse("noise", params.noise, "above 0, to 1"));

@@ -42,7 +42,7 @@ prt_transfer::params! {
         members: usize = 1,
         /// Sweeps of reclassification at most, 0 to 1000.
         sweeps: usize = 20,
-        /// Sweeps at most, 1 to 1000, in which all bases are fitted to the final clusters, the view basis included.
+        /// Sweeps at most, 1 to 1000, in which all bases are fitted to the final clusters, the view basis included; as many again with members.
         refine: usize = 8,
         /// Where the search starts: lines or elbg.
         start: Start = Start::Lines,

@@ -2,7 +2,7 @@
 
 use super::coefficients::Coefficients;
 use super::encoding::{Encoding, Figures};
-use super::{available, label, title};
+use super::{available, cells, label, title};
 use crate::charts::curves::{Curves, Dot, Plane};
 use crate::figures::stage::{Mesh, Stage};
 use crate::figures::{Drawing, Figure};
@@ -135,8 +135,8 @@ fn subject(coefficients: &Coefficients) -> String {
     let base = base.map_or(String::new(), |(.., label)| label);
     let (scene, basis) = (title(&coefficients.scene), &coefficients.basis);
     format!(
-        "{scene} · terms · {basis} · {} x {} x 642 lobes, whose own error is {lost} · around {base}",
-        shape.samples, shape.responses
+        "{scene} · terms · {basis} · {} x {} x {} lobes, whose own error is {lost} · around {base}",
+        shape.samples, shape.responses, shape.lights
     )
 }
 
@@ -147,13 +147,7 @@ fn table(coefficients: &Coefficients, outcomes: &[Outcome]) -> String {
     let rows = distinct.iter().map(|o| {
         let cells = match &o.encoding.figures {
             Err(_) => ["-", "-", "failed", "-", "-"].map(String::from),
-            Ok(f) => [
-                number::bytes(f.file_bytes),
-                number::bytes(f.resident_bytes),
-                number::short(f.error),
-                number::short(f.encode_s),
-                number::short(f.relight_ms),
-            ],
+            Ok(f) => cells([f.file_bytes, f.resident_bytes], [f.error, f.encode_s, f.relight_ms]),
         };
         std::iter::once(o.encoding.label.clone()).chain(cells).collect()
     });

@@ -6,6 +6,7 @@ use crate::figures::stage::{Mesh, Stage};
 use crate::scenes::{self, LIGHTS};
 use anyhow::Context;
 use ndarray::Array2;
+use prt_transfer::samples::square;
 use prt_transfer::scene::dense::{self, DenseSignal, Transformed};
 use prt_transfer::{LightBasis, LightTransform, Metric, Quiet, Stage as Part, TransferMatrix};
 
@@ -42,7 +43,7 @@ impl Coefficients {
         values.try_reserve_exact(shape.rows() * shape.lights).context("no room for the coefficients")?;
         let take = |rows: &[f32]| {
             values.extend_from_slice(rows);
-            kept += rows.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>();
+            kept += square(rows);
             Ok(())
         };
         let streamed = stage.bench.pools.everywhere(|| computation.stream(&transformed, &Quiet, take))?;

@@ -12,6 +12,7 @@ mod tensors;
 
 use super::Paper;
 use super::stage::{Mesh, Stage};
+use crate::number;
 use crate::signal::{Signal, Spec};
 use prt_tensor::CtaParams;
 use prt_transfer::{LightBasis, Params};
@@ -62,6 +63,12 @@ fn label(params: &CtaParams) -> String {
 fn available(stage: &Stage, mesh: &Mesh) -> Mesh {
     let is_there = |file: &&str| stage.folder().is_none_or(|folder| folder.join(file).exists());
     Mesh { file: mesh.file.filter(is_there), ..*mesh }
+}
+
+/// Bytes of the file and in memory, then error, seconds of encoding and milliseconds of relighting, for people.
+fn cells(bytes: [u64; 2], [error, encode_s, relight_ms]: [f64; 3]) -> [String; 5] {
+    let [file, memory] = bytes.map(number::bytes);
+    [file, memory, number::short(error), number::short(encode_s), number::short(relight_ms)]
 }
 
 /// A mesh's name for people.

@@ -1,12 +1,11 @@
 //! Table 2: all-frequency CPCA beside SRBF and CTA at about equal bytes.
 
 use super::segments::{LENGTH, Segmented, Segments};
-use super::{available, label, own_clusters, spec};
+use super::{available, cells, label, own_clusters, spec};
 use crate::figures::setting::{Curve, Setting};
 use crate::figures::stage::{Mesh, Stage, Subject};
 use crate::figures::{Drawing, Figure};
 use crate::machine::Machine;
-use crate::number;
 use crate::scenes::{self, LIGHTS};
 use crate::signal::Spec;
 use crate::table::aligned;
@@ -191,13 +190,7 @@ fn table(subject: &Subject, lines: &[Line]) -> String {
     let rows = lines.iter().map(|line| {
         let cells = match &line.figures {
             Err(_) => ["-", "-", "failed", "-", "-"].map(String::from),
-            Ok(f) => [
-                number::bytes(f.file_bytes),
-                number::bytes(f.resident_bytes),
-                number::short(f.error),
-                number::short(f.encode_s),
-                number::short(f.relight_ms),
-            ],
+            Ok(f) => cells([f.file_bytes, f.resident_bytes], [f.error, f.encode_s, f.relight_ms]),
         };
         [short(&line.method), line.size.to_string()].into_iter().chain(cells).collect()
     });
