@@ -51,6 +51,7 @@ pub mod samples;
 pub mod scene;
 pub mod sections;
 pub mod sh;
+pub mod texels;
 pub mod transform;
 pub mod visibility;
 

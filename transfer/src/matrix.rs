@@ -282,7 +282,7 @@ impl TransferMatrix {
     }
     /// The same matrix with other responses' meaning; their number must agree.
     pub fn with_responses(self, responses: ResponseBasis) -> Result<TransferMatrix> {
-        Error::expect_size(format!("responses of basis {responses}"), self.shape.responses, responses.responses())?;
+        responses.check(self.shape)?;
         Ok(TransferMatrix { responses, ..self })
     }
     /// Reference relighting, accumulated in `f64`: `out` (rows x channels) = T · `lights` (lights x channels).

@@ -167,7 +167,7 @@ impl Registry {
     /// A compressed matrix from its header and sections.
     pub fn restore(&self, header: &Header, sections: Vec<Section>) -> Result<Compressed> {
         Error::expect_size("lights of the basis", header.shape.lights, header.basis.lights())?;
-        Error::expect_size("responses of the basis", header.shape.responses, header.responses.responses())?;
+        header.responses.check(header.shape)?;
         let mut source = Source::new(sections)?;
         let transform = self.transform_named(&header.label.transform)?.restore(&header.basis, &mut source)?;
         let known = || self.codecs.iter().map(|e| e.tag).collect::<Vec<_>>().join(", ");

@@ -8,14 +8,15 @@
 use crate::basis::LightBasis;
 use crate::error::{Error, Result};
 use crate::label::Stage;
-use crate::matrix::MAX_LIGHTS;
+use crate::matrix::{MAX_LIGHTS, Shape};
 use crate::sh::HemisphereSh;
+use crate::texels::Texels;
 use ndarray::Array2;
 use std::fmt;
 use std::str::FromStr;
 
 /// The response basis of a transfer matrix's rows. Written as `plain:64`, `irradiance` or `irradiance:BRDF`, `local:8`,
-/// `exit:24`, `exit-orthonormal:24` or `terms:16:BRDF`, where a BRDF is a name with all of its parameters.
+/// `exit:24`, `exit-orthonormal:24`, `terms:16:BRDF` or `texels:256x256`, where a BRDF is a name with all of its parameters.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum ResponseBasis {
     /// Numbers without a meaning that is known.
@@ -53,6 +54,12 @@ pub enum ResponseBasis {
         /// The BRDF, from which the functions are computed anew.
         brdf: String,
     },
+    /// A surface light field: samples are the texels of a surface in rows, responses red, green and blue, and an element is the radiance that
+    /// leaves the texel towards the direction of the column, without solid angles, which the light must bring along.
+    Radiance {
+        /// The surface's texels; as many as samples.
+        texels: Texels,
+    },
 }
 
 /// Coordinates of exit radiance f on the hemisphere.
@@ -75,16 +82,33 @@ impl ResponseBasis {
             ResponseBasis::LocalDirections { edge } => edge * edge,
             ResponseBasis::Exit { coefficients, .. } => coefficients,
             ResponseBasis::Terms { terms, .. } => terms,
+            ResponseBasis::Radiance { .. } => 3,
         }
     }
 
+    /// Refuses a matrix of another number of responses, or of samples where that is known.
+    pub(crate) fn check(&self, shape: Shape) -> Result<()> {
+        Error::expect_size(format!("responses of basis {self}"), shape.responses, self.responses())?;
+        match self {
+            ResponseBasis::Radiance { texels } => {
+                Error::expect_size(format!("samples of basis {self}"), shape.samples, texels.count())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether elements stand for a whole texel of the light, whose solid angle the light must bring along.
+    fn leaves_solid_angles_to_the_light(&self) -> bool {
+        matches!(self, ResponseBasis::LocalDirections { .. } | ResponseBasis::Radiance { .. })
+    }
+
     /// What a light of `basis`, lights x channels of radiance, must be for `y = T x`: itself, or for local directions
-    /// radiance times the solid angle of its texel.
+    /// and light fields radiance times the solid angle of its texel.
     ///
     /// # Errors
     /// A light of another size.
     pub fn light(&self, basis: &LightBasis, mut light: Array2<f32>) -> Result<Array2<f32>> {
-        if let (ResponseBasis::LocalDirections { .. }, Some(angles)) = (self, basis.solid_angles()) {
+        if let (true, Some(angles)) = (self.leaves_solid_angles_to_the_light(), basis.solid_angles()) {
             Error::expect_size("texels of the light", angles.len(), light.nrows())?;
             light.rows_mut().into_iter().zip(angles).for_each(|(mut row, angle)| row *= angle as f32);
         }
@@ -95,14 +119,12 @@ impl ResponseBasis {
     /// light that is white noise over the sphere: 1/dω where elements hold their texel's solid angle, dω where the
     /// light brings it along. `None` where all are equal or columns have no place on the sphere.
     pub fn light_weights(&self, basis: &LightBasis) -> Option<Vec<f64>> {
-        match self {
-            ResponseBasis::LocalDirections { .. } => {
-                let angles = basis.solid_angles()?;
-                let mean = angles.iter().sum::<f64>() / angles.len() as f64;
-                Some(angles.iter().map(|a| a / mean).collect())
-            }
-            _ => basis.sphere_weights(),
+        if !self.leaves_solid_angles_to_the_light() {
+            return basis.sphere_weights();
         }
+        let angles = basis.solid_angles()?;
+        let mean = angles.iter().sum::<f64>() / angles.len() as f64;
+        Some(angles.iter().map(|a| a / mean).collect())
     }
 
     /// Whether nothing is known but their number.
@@ -125,6 +147,7 @@ impl fmt::Display for ResponseBasis {
                 write!(f, "exit-orthonormal:{coefficients}")
             }
             ResponseBasis::Terms { terms, brdf } => write!(f, "terms:{terms}:{brdf}"),
+            ResponseBasis::Radiance { texels } => write!(f, "texels:{texels}"),
         }
     }
 }
@@ -140,7 +163,7 @@ impl FromStr for ResponseBasis {
             name: text.into(),
             known:
                 "a number, plain:NUMBER, irradiance, irradiance:BRDF, local:EDGE, exit:COEFFICIENTS and exit-orthonormal:COEFFICIENTS \
-                    (n² or n² - 1, n up to 10), terms:NUMBER:BRDF"
+                    (n² or n² - 1, n up to 10), terms:NUMBER:BRDF, texels:WIDTHxHEIGHT, texels:WIDTHxHEIGHT:wrap and texels:WIDTHxHEIGHT:octahedral"
                     .into(),
         }
         };
@@ -167,6 +190,7 @@ impl FromStr for ResponseBasis {
             "local" => Ok(ResponseBasis::LocalDirections { edge: number(rest, crate::hemisphere::MAX_EDGE)? }),
             "exit" => exit(Coordinates::Harmonics),
             "exit-orthonormal" => exit(Coordinates::Orthonormal),
+            "texels" => rest.parse().map(|texels| ResponseBasis::Radiance { texels }).map_err(|_| refuse()),
             "terms" => match rest.split_once(':') {
                 Some((terms, rest)) => {
                     Ok(ResponseBasis::Terms { terms: number(terms, MAX_LIGHTS)?, brdf: brdf(rest)? })
@@ -193,6 +217,8 @@ mod tests {
             "exit:16",
             "exit:24",
             "exit-orthonormal:99",
+            "texels:256x128",
+            "texels:4x4:octahedral",
             brdf,
         ] {
             let basis: ResponseBasis = text.parse().unwrap();
@@ -214,6 +240,7 @@ mod tests {
             "local:65",
             "exit:17",
             "exit:0",
+            "texels:4",
         ];
         let more =
             ["exit:121", "exit-orthonormal:14", "terms:16", "terms:16:", "terms:0:lambert", "99999999999999999999"];

@@ -51,6 +51,9 @@ impl Shading {
                 let known = "a known meaning: irradiance, local:EDGE, exit:N or terms:N:BRDF";
                 return Err(refuse(known, "numbers alone".into()));
             }
+            ResponseBasis::Radiance { .. } => {
+                return Err(refuse("responses of vertices", "radiance of texels, a surface light field".into()));
+            }
             ResponseBasis::Irradiance { brdf: Some(_) } | ResponseBasis::Exit { .. } | ResponseBasis::Terms { .. }
                 if brdf.is_some() =>
             {
