@@ -129,13 +129,12 @@ impl Codec for Cpca {
             Clusters::Number(number) => Some(number),
             Clusters::Auto => None,
         };
-        let usual = if mode == Mode::Static { SWEEPS } else { SWEEPS_OF_EACH };
         let plan = Plan {
             mode,
             start,
             seed,
             allocation,
-            sweeps: sweeps.unwrap_or(usual),
+            sweeps: sweeps_of(mode, sweeps),
             ..Plan::new(number.unwrap_or(1), components)
         };
         let task = Task { plan, clusters: number, solver, norm, weights, representatives };
@@ -146,8 +145,20 @@ impl Codec for Cpca {
     }
 }
 
+/// Sweeps at most, where they are not given those that are usual.
+pub(crate) fn sweeps_of(mode: Mode, sweeps: Option<usize>) -> usize {
+    sweeps.unwrap_or(if mode == Mode::Static { SWEEPS } else { SWEEPS_OF_EACH })
+}
+
+/// Refuses more samples than ids of 32 bits name.
+pub(crate) fn check_count(samples: &Samples) -> Result<()> {
+    let (limit, found) = (u64::from(u32::MAX), samples.count() as u64);
+    let fits = found <= limit;
+    if fits { Ok(()) } else { Err(Error::TooLarge { what: "samples to cluster".into(), limit, found }) }
+}
+
 impl Plan {
-    fn new(clusters: usize, components: usize) -> Plan {
+    pub(crate) fn new(clusters: usize, components: usize) -> Plan {
         let (mode, start, allocation) = (Mode::Static, Start::PlusPlus, Allocation::Bytes);
         Plan { clusters, components, mode, sweeps: SWEEPS, start, seed: 0, allocation, bytes: (4, 4) }
     }
@@ -187,10 +198,7 @@ impl Task {
     /// The samples, and what their numbers take in the plan.
     fn samples<'a>(&mut self, matrix: &'a TransferMatrix) -> Result<Samples<'a>> {
         let samples = Samples::of(matrix, self.norm)?;
-        if samples.count() > u32::MAX as usize {
-            let (limit, found) = (u64::from(u32::MAX), samples.count() as u64);
-            return Err(Error::TooLarge { what: "samples to cluster".into(), limit, found });
-        }
+        check_count(&samples)?;
         self.plan.bytes = (self.weights.bytes(), self.representatives.bytes() * samples.dimension());
         Ok(samples)
     }

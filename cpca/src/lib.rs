@@ -49,6 +49,7 @@ pub mod d3dx;
 mod encoded;
 mod engine;
 mod finish;
+mod grouping;
 
 mod head;
 
@@ -71,6 +72,7 @@ mod wire;
 
 pub use codec::{Cpca, Pca, Vq};
 pub use encoded::EncodedCpca;
+pub use grouping::{Grouper, Grouping};
 pub use model::{Cluster, Model};
 pub use params::{Allocation, Clusters, CpcaParams, Mode, PcaParams, Solver, Start, VqParams};
 pub use prt_transfer::numbers::Width;

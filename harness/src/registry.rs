@@ -2,6 +2,7 @@
 
 use prt_bicluster::Bicluster;
 use prt_cpca::{Cpca, Pca, Vq};
+use prt_slf::Slf;
 use prt_srbf::Srbf;
 use prt_tensor::{Cta, TuckerCodec};
 use prt_transfer::compact::Compact;
@@ -35,6 +36,7 @@ pub fn registry() -> Registry {
         .codec::<Cpca>()
         .codec::<TuckerCodec>()
         .codec::<Cta>()
+        .codec::<Slf>()
 }
 
 /// The method that a label's text describes.

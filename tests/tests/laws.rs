@@ -3,6 +3,7 @@
 use ndarray::Array2;
 use prt_cpca::EncodedCpca;
 use prt_harness::registry::registry;
+use prt_slf::{EncodedSlf, Width};
 use prt_tensor::EncodedCta;
 use prt_tests::*;
 use prt_transfer::io::prt;
@@ -44,7 +45,7 @@ fn relighting_equals_decoded_rows_times_light() {
             // the bound is taken over whole rows.
             let mut magnitude = rows.mapv(f64::abs).sum_axis(ndarray::Axis(1)) * 2.0;
             // Clusters mix samples: a row of zeros may be a sum of representatives that are none.
-            if ["vq", "pca", "cpca", "tucker", "cta"].contains(&label.codec.name.as_str()) {
+            if ["vq", "pca", "cpca", "tucker", "cta", "slf"].contains(&label.codec.name.as_str()) {
                 let largest = magnitude.iter().copied().fold(0.0, f64::max);
                 magnitude.fill(largest);
             }
@@ -227,6 +228,22 @@ fn flops_of_tensors(compressed: &Compressed) -> [u64; 2] {
     [(products + if scaled { scales } else { 0 }) as u64, products as u64]
 }
 
+/// Multiplications and additions of surface light fields: the sum of the light, view maps times light, means and weights times what came of
+/// both; a scale for each component and channel of a cluster where view or surface maps have scales, a product of two where both have, and a
+/// scale for each channel of a cluster where means have.
+fn flops_of_light_fields(compressed: &Compressed) -> [u64; 2] {
+    let shape = compressed.shape();
+    let mut source = Source::new(compressed.sections().into_sections()).unwrap();
+    let slf = EncodedSlf::read(shape, &mut source).unwrap();
+    let [of_surface, of_views] = slf.widths().map(|width| u64::from(width != Width::F32));
+    // View maps of n numbers each; channels of clusters.
+    let tiles = slf.tiles() as u64;
+    let components = tiles * slf.components() as u64;
+    let products = components * shape.lights as u64 + (shape.rows() * (1 + slf.components())) as u64;
+    let scales = components * (of_surface + of_views) + tiles * of_surface;
+    [products + scales, products + shape.lights as u64]
+}
+
 #[test]
 fn flops_equal_the_closed_formula() {
     for_every_method(|_, label, case, compressed| {
@@ -260,6 +277,13 @@ fn flops_equal_the_closed_formula() {
             }
             "tucker" | "cta" => {
                 return assert_eq!(flops_of_tensors(compressed), [flops.multiplications, flops.additions], "{label}");
+            }
+            "slf" => {
+                return assert_eq!(
+                    flops_of_light_fields(compressed),
+                    [flops.multiplications, flops.additions],
+                    "{label}"
+                );
             }
             other => panic!("state the closed formula of {other}"),
         };

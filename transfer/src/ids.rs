@@ -64,23 +64,33 @@ impl Ids {
 
     /// Writes them to the section `index/members`.
     pub fn write(&self, sink: &mut Sink) {
+        self.write_to(sink, SECTION);
+    }
+
+    /// As [`Ids::write`], to a section of another name.
+    pub fn write_to(&self, sink: &mut Sink, section: &str) {
         if self.bits > 0 {
-            sink.put(SECTION, &self.packed);
+            sink.put(section, &self.packed);
         }
     }
 
     /// The ids of `samples`, checked to be below `clusters`.
     pub fn read(source: &mut Source, samples: usize, clusters: usize) -> Result<Ids> {
+        Ids::read_from(source, SECTION, samples, clusters)
+    }
+
+    /// What [`Ids::write_to`] wrote; see [`Ids::read`].
+    pub fn read_from(source: &mut Source, section: &str, samples: usize, clusters: usize) -> Result<Ids> {
         let bits = bits_of(clusters);
         if bits == 0 {
             return Ok(Ids { bits, packed: Vec::new() });
         }
         let length = samples as u128 * u128::from(bits);
         let count = usize::try_from(length.div_ceil(8)).unwrap_or(usize::MAX);
-        let ids = Ids { bits, packed: source.take_exact(SECTION, count)? };
+        let ids = Ids { bits, packed: source.take_exact(section, count)? };
         if let Some(sample) = (0..samples).find(|&sample| ids.at(sample) as usize >= clusters) {
             let found = format!("{} of sample {sample}", ids.at(sample));
-            return Err(broken(SECTION, format!("clusters below {clusters}"), found));
+            return Err(broken(section, format!("clusters below {clusters}"), found));
         }
         Ok(ids)
     }

@@ -15,6 +15,8 @@
 //! | `scene` | meshes, built-in scenes and lights, visibility, BRDFs, the signals `biscale`, `diffuse`, `glossy` and `terms`, pictures of them |
 
 pub mod basis;
+#[cfg(any(feature = "io", feature = "scene"))]
+pub mod chart;
 pub mod codec;
 pub mod compact;
 pub mod csr;

@@ -59,6 +59,8 @@ pub enum ResponseBasis {
     Radiance {
         /// The surface's texels; as many as samples.
         texels: Texels,
+        /// What the columns' directions are.
+        directions: Directions,
     },
 }
 
@@ -71,6 +73,17 @@ pub enum Coordinates {
     /// d = Lᵀ c with A = L Lᵀ: those of the same functions made orthonormal in the order of their bands. `∫ f² = |d|²`,
     /// so that any codec that minimises squared error minimises that of radiance.
     Orthonormal,
+}
+
+/// What a direction of a surface light field stands for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Directions {
+    /// Where radiance goes, in the world (Miandji et al. 2011).
+    #[default]
+    World,
+    /// Where it would have come from in a mirror: the direction is mirrored about the point's normal (Wood et al. 2000). What a lobe
+    /// reflects of a distant scene then is nearly the same at all points.
+    Reflected,
 }
 
 impl ResponseBasis {
@@ -90,7 +103,7 @@ impl ResponseBasis {
     pub(crate) fn check(&self, shape: Shape) -> Result<()> {
         Error::expect_size(format!("responses of basis {self}"), shape.responses, self.responses())?;
         match self {
-            ResponseBasis::Radiance { texels } => {
+            ResponseBasis::Radiance { texels, .. } => {
                 Error::expect_size(format!("samples of basis {self}"), shape.samples, texels.count())
             }
             _ => Ok(()),
@@ -147,7 +160,10 @@ impl fmt::Display for ResponseBasis {
                 write!(f, "exit-orthonormal:{coefficients}")
             }
             ResponseBasis::Terms { terms, brdf } => write!(f, "terms:{terms}:{brdf}"),
-            ResponseBasis::Radiance { texels } => write!(f, "texels:{texels}"),
+            ResponseBasis::Radiance { texels, directions: Directions::World } => write!(f, "texels:{texels}"),
+            ResponseBasis::Radiance { texels, directions: Directions::Reflected } => {
+                write!(f, "texels:{texels}:reflected")
+            }
         }
     }
 }
@@ -163,7 +179,7 @@ impl FromStr for ResponseBasis {
             name: text.into(),
             known:
                 "a number, plain:NUMBER, irradiance, irradiance:BRDF, local:EDGE, exit:COEFFICIENTS and exit-orthonormal:COEFFICIENTS \
-                    (n² or n² - 1, n up to 10), terms:NUMBER:BRDF, texels:WIDTHxHEIGHT, texels:WIDTHxHEIGHT:wrap and texels:WIDTHxHEIGHT:octahedral"
+                    (n² or n² - 1, n up to 10), terms:NUMBER:BRDF, texels:WIDTHxHEIGHT with :wrap or :octahedral, and with :reflected"
                     .into(),
         }
         };
@@ -190,7 +206,14 @@ impl FromStr for ResponseBasis {
             "local" => Ok(ResponseBasis::LocalDirections { edge: number(rest, crate::hemisphere::MAX_EDGE)? }),
             "exit" => exit(Coordinates::Harmonics),
             "exit-orthonormal" => exit(Coordinates::Orthonormal),
-            "texels" => rest.parse().map(|texels| ResponseBasis::Radiance { texels }).map_err(|_| refuse()),
+            "texels" => {
+                let (rest, directions) = match rest.strip_suffix(":reflected") {
+                    Some(rest) => (rest, Directions::Reflected),
+                    None => (rest, Directions::World),
+                };
+                let texels = rest.parse().map_err(|_| refuse())?;
+                Ok(ResponseBasis::Radiance { texels, directions })
+            }
             "terms" => match rest.split_once(':') {
                 Some((terms, rest)) => {
                     Ok(ResponseBasis::Terms { terms: number(terms, MAX_LIGHTS)?, brdf: brdf(rest)? })
@@ -219,6 +242,8 @@ mod tests {
             "exit-orthonormal:99",
             "texels:256x128",
             "texels:4x4:octahedral",
+            "texels:4x4:reflected",
+            "texels:4x4:wrap:reflected",
             brdf,
         ] {
             let basis: ResponseBasis = text.parse().unwrap();

@@ -55,6 +55,16 @@ impl<'a> Samples<'a> {
         Ok(Samples { values, count: shape.samples, dimension, coordinates })
     }
 
+    /// Row-major `values`, count x dimension, that are such samples already: their own coordinates, of magnitudes around 1.
+    ///
+    /// # Panics
+    /// Another number of values.
+    pub fn of_values(values: &'a [f32], count: usize, dimension: usize) -> Samples<'a> {
+        assert_eq!(values.len(), count * dimension, "{count} samples of {dimension} numbers");
+        let coordinates = Coordinates { metric: None, lights: dimension, exponent: 0 };
+        Samples { values: Cow::Borrowed(values), count, dimension, coordinates }
+    }
+
     /// How many.
     pub fn count(&self) -> usize {
         self.count
@@ -187,8 +197,8 @@ pub fn square(vector: &[f32]) -> f64 {
     sums.iter().sum::<f64>() + rest.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>()
 }
 
-/// The power of two of the largest magnitude, 0 where that is harmless.
-fn exponent(matrix: &TransferMatrix) -> i32 {
+/// The power of two of the largest magnitude, 0 where that is harmless: what samples are divided by.
+pub fn exponent(matrix: &TransferMatrix) -> i32 {
     let largest = (0..matrix.rows())
         .into_par_iter()
         .map(|row| matrix.row(row).non_zeros().fold(0f32, |largest, (_, v)| largest.max(v.abs())))

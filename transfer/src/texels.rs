@@ -59,7 +59,7 @@ impl Texels {
     }
 
     /// The texel at column x and row y, each at most one beyond the grid.
-    fn at(&self, x: i64, y: i64) -> u32 {
+    pub(crate) fn at(&self, x: i64, y: i64) -> u32 {
         let (w, h) = (self.width as i64, self.height as i64);
         let (x, y) = match self.border {
             Border::Clamp => (x.clamp(0, w - 1), y.clamp(0, h - 1)),

@@ -5,7 +5,7 @@ use prt_transfer::csr::Csr;
 use prt_transfer::image::Image;
 use prt_transfer::io::image::{Precision, exr_bytes, read_exr, read_hdr};
 use prt_transfer::io::matrix::Description;
-use prt_transfer::io::mesh::{read_obj, read_ply};
+use prt_transfer::io::mesh::{read_charted_obj, read_charted_ply, read_obj, read_ply};
 use prt_transfer::io::{mtx, npy, npz, prt};
 use prt_transfer::transform::Identity;
 use prt_transfer::{LightBasis, Quiet, Registry, Result, TransferMatrix};
@@ -160,6 +160,17 @@ fn obj() {
     let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 -1//1\n";
     // Nothing says how long an .obj is: a cut may leave fewer statements, or other numbers.
     torture(text.as_bytes(), 64 * KIB, |_| true, read_obj);
+}
+
+#[test]
+fn charts() {
+    let _alone = alone();
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt .5 1\nf 1/1/1 2/2/1 -1/-1/1\n";
+    torture(text.as_bytes(), 64 * KIB, |_| true, read_charted_obj);
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                property float s\nproperty float t\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
+                0 0 0 0 0\n1 0 0 1 0\n0 1 0 0 1\n3 0 1 2\n";
+    torture(text.as_bytes(), 64 * KIB, blank, read_charted_ply);
 }
 
 #[test]

@@ -5,17 +5,30 @@
 //! ones included: repair is the caller's.
 
 use super::{broken, bytes_of, extension, obj, ply, unknown_extension};
+use crate::chart::Charted;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
-use glam::Vec3;
+use crate::texels::Border;
+use glam::{Vec2, Vec3};
 use std::path::Path;
 
 /// Reads `.ply` or `.obj`.
 pub fn read(path: impl AsRef<Path>) -> Result<Mesh> {
-    let path = path.as_ref();
+    either(path.as_ref(), read_ply, read_obj)
+}
+
+/// Reads `.ply` or `.obj` with texture coordinates: a chart that ends at the edges of the unit square, which it must not leave.
+/// Nothing is flipped: u is the first coordinate, v the second, as the file has them.
+pub fn read_charted(path: impl AsRef<Path>) -> Result<Charted> {
+    either(path.as_ref(), read_charted_ply, read_charted_obj)
+}
+
+type Parser<T> = fn(&[u8]) -> Result<T>;
+
+fn either<T>(path: &Path, ply: Parser<T>, obj: Parser<T>) -> Result<T> {
     let parse = match extension(path).as_str() {
-        "ply" => read_ply,
-        "obj" => read_obj,
+        "ply" => ply,
+        "obj" => obj,
         _ => return Err(unknown_extension(path, "mesh file extension", ".ply, .obj")),
     };
     parse(&bytes_of(path)?).map_err(|e| e.in_file(path))
@@ -31,6 +44,18 @@ pub fn read_ply(bytes: &[u8]) -> Result<Mesh> {
 /// coordinates are skipped; a vertex used with several normals becomes several vertices.
 pub fn read_obj(bytes: &[u8]) -> Result<Mesh> {
     obj::read(bytes)
+}
+
+/// [`read_ply`] of vertices with the scalar properties s, t or u, v or texture_u, texture_v. Texture coordinates that are
+/// lists of faces are not read.
+pub fn read_charted_ply(bytes: &[u8]) -> Result<Charted> {
+    ply::read_charted(bytes)
+}
+
+/// [`read_obj`] with `vt`, of which every corner of every face has one; a vertex used with several of them, or with several
+/// normals, becomes several vertices.
+pub fn read_charted_obj(bytes: &[u8]) -> Result<Charted> {
+    obj::read_charted(bytes)
 }
 
 /// The one door of both readers: checks indices and positions, scales normals.
@@ -53,6 +78,16 @@ pub(super) fn build(
     }
     let units: Option<Vec<Vec3>> = normals.into_iter().map(Vec3::try_normalize).collect();
     Ok(Mesh { positions, normals: units.unwrap_or_default(), faces })
+}
+
+/// The mesh with its texture coordinates, of which there are none or as many as vertices.
+pub(super) fn chart(format: &'static str, mesh: Mesh, uv: Vec<Vec2>) -> Result<Charted> {
+    if uv.is_empty() { Err(without_chart(format)) } else { Charted::new(mesh, uv, Border::Clamp) }
+}
+
+pub(super) fn without_chart(format: &'static str) -> Error {
+    let expected = "texture coordinates (vt in f v/vt/vn of .obj, s t or u v of .ply vertices)";
+    broken(format, "vertices", expected, "none; unwrap the mesh in a modelling program and export it with them")
 }
 
 /// Triangles of a polygon around its first vertex; none for fewer than three.

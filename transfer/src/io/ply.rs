@@ -1,10 +1,11 @@
 //! The Stanford polygon format, PLY 1.0.
 
 use super::broken;
-use super::mesh::{build, fan};
+use super::mesh::{build, chart, fan};
+use crate::chart::Charted;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// The types of scalars, by either of their names.
 #[derive(Clone, Copy, PartialEq)]
@@ -38,17 +39,34 @@ enum Encoding {
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Mesh> {
+    Ok(read_all(bytes)?.0)
+}
+
+pub(super) fn read_charted(bytes: &[u8]) -> Result<Charted> {
+    let (mesh, uv) = read_all(bytes)?;
+    chart("ply", mesh, uv)
+}
+
+/// What vertices have; normals and texture coordinates of all of them or of none.
+#[derive(Default)]
+struct Vertices {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    uv: Vec<Vec2>,
+}
+
+fn read_all(bytes: &[u8]) -> Result<(Mesh, Vec<Vec2>)> {
     let (encoding, elements, length) = header(bytes)?;
     let line = 1 + bytes[..length].iter().filter(|&&b| b == b'\n').count();
     let mut body = Body { bytes, at: length, line, encoding };
-    let (mut positions, mut normals, mut faces) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut vertices, mut faces) = (Vertices::default(), Vec::new());
     for element in &elements {
         // Nothing to read, however many there are.
         if element.properties.is_empty() {
             continue;
         }
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut body, element, &mut positions, &mut normals)?,
+            "vertex" => read_vertices(&mut body, element, &mut vertices)?,
             "face" => read_faces(&mut body, element, &mut faces)?,
             _ => (0..element.count).try_for_each(|_| body.skip(element))?,
         }
@@ -58,7 +76,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Mesh> {
             return Err(broken("ply", "header", format!("an element '{needed}'"), "none"));
         }
     }
-    build("ply", positions, normals, faces)
+    Ok((build("ply", vertices.positions, vertices.normals, faces)?, vertices.uv))
 }
 
 /// Encoding, elements and the length of the header in bytes.
@@ -122,7 +140,7 @@ fn header(bytes: &[u8]) -> Result<(Encoding, Vec<Element>, usize)> {
     }
 }
 
-fn read_vertices(body: &mut Body, element: &Element, positions: &mut Vec<Vec3>, normals: &mut Vec<Vec3>) -> Result<()> {
+fn read_vertices(body: &mut Body, element: &Element, vertices: &mut Vertices) -> Result<()> {
     let find = |wanted: &str| {
         element.properties.iter().position(|p| matches!(p, Property::Scalar { name, .. } if name == wanted))
     };
@@ -131,6 +149,8 @@ fn read_vertices(body: &mut Body, element: &Element, positions: &mut Vec<Vec3>, 
         return Err(broken("ply", "element 'vertex'", "scalar properties x, y, z", "not all of them"));
     };
     let normal = three(["nx", "ny", "nz"]);
+    let pairs = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
+    let texture = pairs.iter().find_map(|names| find(names[0]).zip(find(names[1])));
     let mut row = vec![0.0; element.properties.len()];
     for _ in 0..element.count {
         for (property, value) in element.properties.iter().zip(&mut row) {
@@ -140,8 +160,9 @@ fn read_vertices(body: &mut Body, element: &Element, positions: &mut Vec<Vec3>, 
             }
         }
         let pick = |at: [usize; 3]| Vec3::from(at.map(|i| row[i] as f32));
-        positions.push(pick(position));
-        normals.extend(normal.map(pick));
+        vertices.positions.push(pick(position));
+        vertices.normals.extend(normal.map(pick));
+        vertices.uv.extend(texture.map(|(u, v)| Vec2::new(row[u] as f32, row[v] as f32)));
     }
     Ok(())
 }

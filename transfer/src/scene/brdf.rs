@@ -18,6 +18,7 @@ mod cook_torrance;
 mod half_vector;
 mod lambert;
 mod phong;
+mod sample;
 #[cfg(test)]
 mod tests;
 mod ward;
@@ -25,6 +26,7 @@ mod ward;
 pub use cook_torrance::{CookTorrance, CookTorranceParams};
 pub use lambert::{Lambert, LambertParams};
 pub use phong::{Phong, PhongParams};
+pub(super) use sample::cosine_hemisphere;
 pub use ward::{Ward, WardParams};
 
 use crate::codec::Configure;
@@ -72,6 +74,20 @@ impl Brdf {
             Brdf::Phong(model) => model.evaluate(view, light),
             Brdf::CookTorrance(model) => model.evaluate(view, light),
             Brdf::Ward(model) => model.evaluate(view, light),
+        }
+    }
+
+    /// The reflectance without its diffuse part, in 1/sr.
+    #[inline]
+    pub fn lobe(&self, view: DVec3, light: DVec3) -> f64 {
+        if view.z <= HORIZON || light.z <= HORIZON {
+            return 0.0;
+        }
+        match self {
+            Brdf::Lambert(_) => 0.0,
+            Brdf::Phong(model) => model.lobe(view, light),
+            Brdf::CookTorrance(model) => model.lobe(view, light),
+            Brdf::Ward(model) => model.lobe(view, light),
         }
     }
 

@@ -32,7 +32,7 @@ impl Cap {
         4.0 * PI * (0.5 * self.radius).sin().powi(2)
     }
 
-    fn contains(&self, direction: DVec3) -> bool {
+    pub(super) fn contains(&self, direction: DVec3) -> bool {
         // Chord against chord: exact for small radii, where the cosine is not.
         direction.distance(self.centre) < 2.0 * (0.5 * self.radius).sin()
     }
@@ -79,12 +79,8 @@ impl Environment {
     /// # Errors
     /// A basis without texels.
     pub fn texels(&self, basis: &LightBasis) -> Result<Array2<f32>> {
-        let angles = basis.solid_angles().ok_or_else(|| Error::Unsupported {
-            what: "texels of a light".into(),
-            expected: "a basis of texels (cubemap, latlong)".into(),
-            found: basis.to_string(),
-        })?;
-        let mut means: Vec<DVec3> = (0..angles.len()).into_par_iter().map(|k| self.background_mean(basis, k)).collect();
+        let angles = solid_angles(basis)?;
+        let mut means = self.background_texels(basis)?;
         for cap in &self.caps {
             // At least 64 samples to a texel of mean size, and enough for a smooth rim where the cap is smaller than one.
             let texels = cap.solid_angle() / (4.0 * PI) * angles.len() as f64;
@@ -97,6 +93,15 @@ impl Environment {
             }
         }
         Ok(Array2::from_shape_fn((means.len(), 3), |(k, channel)| means[k][channel].max(0.0) as f32))
+    }
+
+    /// Mean radiance of the background in each texel, without the caps.
+    ///
+    /// # Errors
+    /// A basis without texels.
+    pub(super) fn background_texels(&self, basis: &LightBasis) -> Result<Vec<DVec3>> {
+        let texels = solid_angles(basis)?.len();
+        Ok((0..texels).into_par_iter().map(|k| self.background_mean(basis, k)).collect())
     }
 
     /// A lat-long image of the light: the texels of [`LightBasis::LatLong`] of this size.
@@ -138,6 +143,14 @@ impl Environment {
         }
         sum / weights
     }
+}
+
+fn solid_angles(basis: &LightBasis) -> Result<Vec<f64>> {
+    basis.solid_angles().ok_or_else(|| Error::Unsupported {
+        what: "texels of a light".into(),
+        expected: "a basis of texels (cubemap, latlong)".into(),
+        found: basis.to_string(),
+    })
 }
 
 #[cfg(test)]

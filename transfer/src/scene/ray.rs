@@ -3,11 +3,17 @@
 //! A triangle is hit by the rule of the batched sweep, edge functions with an exact fallback, so that a single ray and a bit
 //! of [`Occluders::visible`] never disagree.
 
-use super::bvh::{LEAF, Leaf, Node, Occluders, unit_scale};
+use super::bvh::{LEAF, Leaf, Node, Occluders, WIDTH, unit_scale};
 use super::edges::{UNDERFLOW, dot, edge, largest};
 use super::exact;
 use super::visibility_kernel::{Lanes, Task, dispatch};
 use glam::{DVec3, Vec3};
+use std::cell::Cell;
+
+thread_local! {
+    /// The list of a ray's walk, kept from ray to ray: an allocation would cost as much as a short walk.
+    static WAITING: Cell<Vec<(f32, u32)>> = const { Cell::new(Vec::new()) };
+}
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,19 +32,35 @@ impl Occluders {
     /// Whether the ray from `origin` along `direction` (of any length but 0) meets a triangle, from either side, at any
     /// positive distance. The origin is taken as it is: lift it off the surface that it lies on, see [`Occluders::offset`].
     pub fn occluded(&self, origin: Vec3, direction: Vec3) -> bool {
-        self.query(origin, direction, true).is_some()
+        self.query(origin, direction, true, f32::INFINITY).is_some()
+    }
+
+    /// Whether a triangle, seen from either side, lies between two points. They are taken as they are: lift both off the surfaces that they
+    /// lie on.
+    pub fn between(&self, from: Vec3, to: Vec3) -> bool {
+        self.query(from, to - from, true, 1.0).is_some()
     }
 
     /// The nearest triangle that the ray meets, from either side; of several at the same distance, any.
     pub fn nearest(&self, origin: Vec3, direction: Vec3) -> Option<Hit> {
-        self.query(origin, direction, false)
+        self.query(origin, direction, false, f32::INFINITY)
     }
 
-    fn query(&self, origin: Vec3, direction: Vec3, any: bool) -> Option<Hit> {
+    /// A hit nearer than `limit`, over the length of the direction.
+    fn query(&self, origin: Vec3, direction: Vec3, any: bool, limit: f32) -> Option<Hit> {
+        if direction == Vec3::ZERO {
+            return None;
+        }
         // Powers of two: exact, and no product below underflows.
         let length = unit_scale(direction.abs().max_element());
-        let query = Query { occluders: self, origin: origin * self.scale, direction: direction * length, any };
-        let hit = if direction == Vec3::ZERO { None } else { dispatch(query) };
+        let limit = limit * self.scale / length;
+        let mut waiting = WAITING.take();
+        waiting.clear();
+        waiting.reserve(self.stack);
+        let (origin, direction) = (origin * self.scale, direction * length);
+        let ray = Query { occluders: self, origin, direction, any, limit };
+        let hit = dispatch(Walk { ray, waiting: &mut waiting });
+        WAITING.set(waiting);
         hit.map(|hit| Hit { t: hit.t * length / self.scale, ..hit })
     }
 }
@@ -50,32 +72,44 @@ struct Query<'a> {
     direction: Vec3,
     /// Whether the first hit found will do.
     any: bool,
+    /// Hits beyond this distance do not count.
+    limit: f32,
 }
 
-impl Task for Query<'_> {
+/// The walk of a ray through the hierarchy.
+struct Walk<'a> {
+    ray: Query<'a>,
+    /// Nodes and leaves that the ray enters, with the distance; empty at first.
+    waiting: &'a mut Vec<(f32, u32)>,
+}
+
+impl Task for Walk<'_> {
     type Output = Option<Hit>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<Hit> {
-        let slabs = Slabs::<L>::new(&self);
-        let mut waiting = Vec::with_capacity(self.occluders.stack);
-        waiting.extend(self.occluders.root.map(|root| (0.0, root)));
+        let Walk { ray, waiting } = self;
+        let slabs = Slabs::<L>::new(&ray);
+        waiting.extend(ray.occluders.root.map(|root| (0.0, root)));
         let mut best: Option<Hit> = None;
         while let Some((entry, reference)) = waiting.pop() {
-            let limit = best.map_or(f32::INFINITY, |hit| hit.t);
+            let limit = best.map_or(ray.limit, |hit| hit.t);
             if entry > limit {
                 continue;
             }
             if reference & LEAF == 0 {
-                slabs.open(&self.occluders.nodes[reference as usize], limit, &mut waiting);
+                slabs.open(&ray.occluders.nodes[reference as usize], limit, waiting);
                 continue;
             }
-            let leaf = &self.occluders.leaves[(reference & !LEAF) as usize];
-            let mut met = self.meet::<L>(leaf);
+            let leaf = &ray.occluders.leaves[(reference & !LEAF) as usize];
+            let mut met = ray.meet::<L>(leaf);
             while met != 0 {
-                let hit = self.hit(leaf, met.trailing_zeros() as usize);
+                let hit = ray.hit(leaf, met.trailing_zeros() as usize);
                 met &= met - 1;
-                if self.any {
+                if hit.t > ray.limit {
+                    continue;
+                }
+                if ray.any {
                     return Some(hit);
                 }
                 if best.is_none_or(|best| hit.t < best.t) {
@@ -92,15 +126,17 @@ impl Query<'_> {
     #[inline(always)]
     fn meet<L: Lanes>(&self, leaf: &Leaf) -> u32 {
         let zero = L::splat(0.0);
-        let corner = leaf.corner.each_ref().map(|c| [0, 1, 2].map(|k| L::load(&c[k]) - L::splat(self.origin[k])));
-        let edges = [edge(corner[0], corner[1]), edge(corner[1], corner[2]), edge(corner[2], corner[0])];
-        let ([n, ..], bound) = (edges.map(|(n, _)| n), edges[0].1);
-        let side = [0, 1, 2].map(|k| corner[2][k] - corner[0][k]);
+        let origin = splat::<L>(self.origin);
+        let corner = |c: &[[f32; WIDTH]; 3]| subtract([L::load(&c[0]), L::load(&c[1]), L::load(&c[2])], origin);
+        let [a, b, c] = [corner(&leaf.corner[0]), corner(&leaf.corner[1]), corner(&leaf.corner[2])];
+        let edges = [edge(a, b), edge(b, c), edge(c, a)];
+        let (n, bound) = edges[0];
+        let side = subtract(c, a);
         let determinant = dot(n, side);
         let determinant_bound = bound.mul_add(largest(side), L::splat(UNDERFLOW));
         // The least edge function, on the triangle's side, lessened and raised by its bound.
         let facing = determinant.gt(zero).select(L::splat(1.0), L::splat(-1.0));
-        let direction = self.direction.to_array().map(L::splat);
+        let direction = splat::<L>(self.direction);
         let length = largest(direction);
         let [mut sure, mut perhaps] = [L::splat(f32::INFINITY); 2];
         for (n, bound) in edges {
@@ -140,6 +176,20 @@ impl Query<'_> {
     }
 }
 
+// `array::map` is not always inlined, and a closure compiled by itself has none of the instructions of its caller.
+
+/// Eight times the same vector.
+#[inline(always)]
+fn splat<L: Lanes>(v: Vec3) -> [L; 3] {
+    [L::splat(v.x), L::splat(v.y), L::splat(v.z)]
+}
+
+/// `a - b` of eight pairs.
+#[inline(always)]
+fn subtract<L: Lanes>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
 /// The ray against eight boxes at once.
 struct Slabs<L> {
     origin: [L; 3],
@@ -158,11 +208,12 @@ impl<L: Lanes> Slabs<L> {
         // 0 · ∞ away.
         let least = direction.abs().max_element() * 1e-25;
         let component = |k: usize| if direction[k].abs() < least { least.copysign(direction[k]) } else { direction[k] };
+        let first = |k: usize| if component(k) > 0.0 { k } else { k + 3 };
         let reach = (query.occluders.lower - query.origin).abs().max((query.occluders.upper - query.origin).abs());
         Slabs {
-            origin: query.origin.to_array().map(L::splat),
-            inverse: [0, 1, 2].map(|k| L::splat(1.0 / component(k))),
-            first: [0, 1, 2].map(|k| if component(k) > 0.0 { k } else { k + 3 }),
+            origin: splat(query.origin),
+            inverse: splat(Vec3::new(1.0 / component(0), 1.0 / component(1), 1.0 / component(2))),
+            first: [first(0), first(1), first(2)],
             margin: L::splat(1e-6 * reach.max_element()),
         }
     }
@@ -188,6 +239,32 @@ impl<L: Lanes> Slabs<L> {
             // An unused place is an inverted box, which no ray enters.
             let at = waiting[first..].partition_point(|&(other, _)| other > enter[lane]);
             waiting.insert(first + at, (enter[lane], node.child[lane]));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use crate::scene::shapes;
+
+    #[test]
+    fn what_lies_between_two_points_is_nearer_than_the_second() {
+        for (name, scale) in [("teapot", 1.0), ("temple", 1e-6), ("cornell-box", 3e5)] {
+            let mut mesh = shapes::find(name).unwrap().build(800).unwrap();
+            mesh.positions.iter_mut().for_each(|p| *p *= scale);
+            let (occluders, mut random) = (Occluders::new(&mesh).unwrap(), Random(5));
+            let mut counts = [0; 2];
+            for _ in 0..4000 {
+                let [a, b] =
+                    [(); 2].map(|()| scale * Vec3::from_array([(); 3].map(|()| 2.4 * random.uniform() as f32 - 1.2)));
+                let (hit, between) = (occluders.nearest(a, b - a), occluders.between(a, b));
+                assert_eq!(between, hit.is_some_and(|hit| hit.t <= 1.0), "{name}: {a} {b} {hit:?}");
+                counts[usize::from(between)] += 1;
+            }
+            assert!(counts.iter().all(|&n| n > 200), "{name}: {counts:?}");
+            assert!(!occluders.between(Vec3::ZERO, Vec3::ZERO));
         }
     }
 }

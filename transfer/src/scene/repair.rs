@@ -1,5 +1,6 @@
 //! Mesh repair: what would spoil rays, frames or samples is mended, counted and said.
 
+use crate::chart::Charted;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use glam::{DVec3, Vec3};
@@ -62,7 +63,25 @@ impl fmt::Display for Repairs {
 /// # Errors
 /// Damage that cannot be mended without guessing: face indices beyond the vertices, NaN or infinite positions (with the
 /// number of the face or the vertex), a wrong number of normals, and a mesh of which no face is left.
-pub fn repair(mut mesh: Mesh) -> Result<(Mesh, Repairs)> {
+pub fn repair(mesh: Mesh) -> Result<(Mesh, Repairs)> {
+    repair_beside(mesh, &mut Vec::<()>::new())
+}
+
+impl Charted {
+    /// [`repair`] of the mesh, with the chart kept. Vertices on both sides of a cut stay apart; where normals are computed, each has
+    /// that of its own side.
+    ///
+    /// # Errors
+    /// Those of [`repair`] and of [`Charted::check`].
+    pub fn repaired(mut self) -> Result<(Charted, Repairs)> {
+        Error::expect_size("texture coordinates of vertices", self.mesh.positions.len(), self.uv.len())?;
+        let (mesh, repairs) = repair_beside(self.mesh, &mut self.uv)?;
+        Ok((Charted::new(mesh, self.uv, self.border)?, repairs))
+    }
+}
+
+/// Also drops what `beside` has of the vertices that are dropped.
+fn repair_beside<T>(mut mesh: Mesh, beside: &mut Vec<T>) -> Result<(Mesh, Repairs)> {
     if !mesh.normals.is_empty() {
         Error::expect_size("vertex normals", mesh.positions.len(), mesh.normals.len())?;
     }
@@ -80,7 +99,7 @@ pub fn repair(mut mesh: Mesh) -> Result<(Mesh, Repairs)> {
             found: repairs.to_string(),
         });
     }
-    repairs.unused_vertices = drop_unused(&mut mesh);
+    repairs.unused_vertices = drop_unused(&mut mesh, beside);
     repairs.scaled_normals = scale_normals(&mut mesh.normals);
     repairs.computed_normals = compute_normals(&mut mesh);
     Ok((mesh, repairs))
@@ -104,13 +123,16 @@ fn scale_normals(normals: &mut [Vec3]) -> usize {
 fn drop_degenerate(mesh: &mut Mesh) -> usize {
     let before = mesh.faces.len();
     let mut faces = std::mem::take(&mut mesh.faces);
-    faces.retain(|&face| {
-        let [a, b, c] = mesh.corners(face);
-        let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
-        2.0 * mesh.area_vector(face).length() > FLATNESS * longest
-    });
+    faces.retain(|&face| !is_degenerate(mesh, face));
     mesh.faces = faces;
     before - mesh.faces.len()
+}
+
+/// Whether two corners of a face coincide or all three lie on a line.
+pub(crate) fn is_degenerate(mesh: &Mesh, face: [u32; 3]) -> bool {
+    let [a, b, c] = mesh.corners(face);
+    let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+    2.0 * mesh.area_vector(face).length() <= FLATNESS * longest
 }
 
 fn drop_duplicates(mesh: &mut Mesh) -> usize {
@@ -124,7 +146,7 @@ fn drop_duplicates(mesh: &mut Mesh) -> usize {
     before - mesh.faces.len()
 }
 
-fn drop_unused(mesh: &mut Mesh) -> usize {
+fn drop_unused<T>(mesh: &mut Mesh, beside: &mut Vec<T>) -> usize {
     let mut used = vec![false; mesh.positions.len()];
     mesh.faces.iter().flatten().for_each(|&v| used[v as usize] = true);
     let mut number = 0;
@@ -137,13 +159,18 @@ fn drop_unused(mesh: &mut Mesh) -> usize {
         .collect();
     let dropped = used.len() - number as usize;
     if dropped > 0 {
-        let mut keep = used.iter();
-        mesh.positions.retain(|_| *keep.next().unwrap_or(&false));
-        let mut keep = used.iter();
-        mesh.normals.retain(|_| *keep.next().unwrap_or(&false));
+        keep(&mut mesh.positions, &used);
+        keep(&mut mesh.normals, &used);
+        keep(beside, &used);
         mesh.faces.iter_mut().flatten().for_each(|v| *v = renumbered[*v as usize]);
     }
     dropped
+}
+
+/// Keeps of a list, which may be empty, what has a `true` beside it.
+fn keep<T>(list: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    list.retain(|_| *kept.next().unwrap_or(&false));
 }
 
 /// Fills in the normals that are missing or zero.
@@ -176,124 +203,4 @@ fn compute_normals(mesh: &mut Mesh) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn square() -> Mesh {
-        Mesh {
-            positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
-            normals: vec![Vec3::Z; 4],
-            faces: vec![[0, 1, 2], [0, 2, 3]],
-        }
-    }
-
-    #[test]
-    fn a_sound_mesh_is_returned_bit_for_bit() {
-        let (mesh, repairs) = repair(square()).unwrap();
-        assert_eq!(mesh, square());
-        assert_eq!(repairs.to_string(), "nothing to repair");
-    }
-
-    #[test]
-    fn every_kind_of_damage_is_counted_as_what_it_is() {
-        let mut mesh = square();
-        mesh.positions.extend([Vec3::splat(9.0), Vec3::new(0.5, 0.0, 0.0)]);
-        mesh.normals.extend([Vec3::Z, Vec3::Z]);
-        mesh.normals[1] = Vec3::Z * 2.0;
-        mesh.normals[3] = Vec3::ZERO;
-        // Vertex 4 belongs to no face; vertex 5 lies on the line from 0 to 1.
-        mesh.faces.extend([[1, 1, 2], [0, 5, 1], [2, 0, 1], [2, 0, 3], [3, 2, 0]]);
-        let (mesh, repairs) = repair(mesh).unwrap();
-        let expected = Repairs {
-            degenerate_faces: 2,
-            duplicate_faces: 3,
-            unused_vertices: 2,
-            computed_normals: 1,
-            scaled_normals: 1,
-        };
-        assert_eq!(repairs, expected);
-        assert_eq!(mesh, square());
-        assert_eq!(
-            repairs.to_string(),
-            "dropped 2 degenerate faces, dropped 3 duplicate faces, dropped 2 unused vertices, \
-             computed 1 normal and scaled 1 normal to unit length"
-        );
-    }
-
-    #[test]
-    fn vertices_that_share_a_position_stay_apart() {
-        let mut mesh = square();
-        mesh.positions.extend([Vec3::ZERO, Vec3::X, Vec3::Z]);
-        mesh.normals.extend([Vec3::NEG_Y; 3]);
-        mesh.faces.push([4, 5, 6]);
-        let (kept, repairs) = repair(mesh.clone()).unwrap();
-        assert_eq!((kept, repairs), (mesh.clone(), Repairs::default()));
-        // Without normals, the split vertices get those of their own side.
-        let normals = std::mem::take(&mut mesh.normals);
-        let (computed, repairs) = repair(mesh).unwrap();
-        assert_eq!((computed.normals, repairs.computed_normals), (normals, 7));
-    }
-
-    #[test]
-    fn computed_normals_do_not_depend_on_how_a_side_is_cut() {
-        // A cube's corner: three squares, of which one contributes two triangles, meet under equal angles.
-        let (o, x, y, z) = (Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z);
-        let mesh = Mesh {
-            positions: vec![o, x, y, z, x + y],
-            normals: Vec::new(),
-            faces: vec![[0, 4, 1], [0, 2, 4], [0, 1, 3], [0, 3, 2]],
-        };
-        let (mesh, _) = repair(mesh).unwrap();
-        assert!((mesh.normals[0] - Vec3::splat(-1.0).normalize()).length() < 1e-6);
-    }
-
-    #[test]
-    fn both_sides_of_a_sheet_leave_a_unit_normal() {
-        let mesh = Mesh {
-            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(0.0, 0.0, 1e-9)],
-            normals: Vec::new(),
-            faces: vec![[0, 1, 2], [3, 2, 1]],
-        };
-        let (mesh, _) = repair(mesh).unwrap();
-        assert!(mesh.normals.iter().all(|n| n.is_normalized()));
-    }
-
-    #[test]
-    fn damage_beyond_repair_is_refused_with_its_place() {
-        let refused = |change: fn(&mut Mesh)| {
-            let mut mesh = square();
-            change(&mut mesh);
-            repair(mesh).unwrap_err().to_string()
-        };
-        assert!(refused(|m| m.positions[2].z = f32::INFINITY).contains("vertex 2"));
-        assert!(refused(|m| m.faces[1] = [0, 7, 1]).contains("face 1: expected vertex indices below 4, found 7"));
-        assert!(refused(|m| m.normals.truncate(1)).contains("expected 4, found 1"));
-        assert!(refused(|m| m.faces = vec![[0, 0, 1]]).contains("dropped 1 degenerate face"));
-        assert!(refused(|m| *m = Mesh::default()).contains("at least one face"));
-    }
-
-    proptest! {
-        #[test]
-        fn repairing_twice_is_repairing_once(
-            cells in prop::collection::vec((0..3i8, 0..3i8, 0..2i8), 3..12),
-            normals in prop::option::of(prop::collection::vec((-2..3i8, -2..3i8, -2..3i8), 12)),
-            faces in prop::collection::vec((0..12u32, 0..12u32, 0..12u32), 1..20),
-        ) {
-            let vector = |&(x, y, z): &(i8, i8, i8)| Vec3::new(x.into(), y.into(), z.into());
-            let n = cells.len();
-            let mesh = Mesh {
-                positions: cells.iter().map(vector).collect(),
-                normals: normals.map_or(Vec::new(), |list| list[..n].iter().map(vector).collect()),
-                faces: faces.iter().map(|&(a, b, c)| [a, b, c].map(|v| v % n as u32)).collect(),
-            };
-            if let Ok((once, _)) = repair(mesh) {
-                once.check().unwrap();
-                prop_assert!(once.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4));
-                let (twice, repairs) = repair(once.clone()).unwrap();
-                prop_assert_eq!(repairs, Repairs::default());
-                prop_assert_eq!(twice, once);
-            }
-        }
-    }
-}
+mod tests;

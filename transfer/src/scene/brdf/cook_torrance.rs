@@ -62,17 +62,26 @@ impl Configure for CookTorrance {
 impl CookTorrance {
     #[inline]
     pub(super) fn evaluate(&self, view: DVec3, light: DVec3) -> f64 {
+        self.diffuse + self.lobe(view, light)
+    }
+
+    #[inline]
+    pub(super) fn lobe(&self, view: DVec3, light: DVec3) -> f64 {
         // H = v + s is not normalised: n·h = H_z/|H|, and v·h = |H|/2.
         let half = view + light;
         let (square, z_square) = (half.length_squared(), half.z * half.z);
         let d = (-self.sharpness * (half.x * half.x + half.y * half.y) / z_square).exp() * (square / z_square).powi(2);
         let g = (4.0 * half.z * view.z.min(light.z) / square).min(1.0);
-        let f = self.params.f0 + (1.0 - self.params.f0) * (1.0 - 0.5 * square.sqrt()).powi(5);
-        self.diffuse + self.scale * f * d * g / (view.z * light.z)
+        self.scale * self.fresnel(0.5 * square.sqrt()) * d * g / (view.z * light.z)
+    }
+
+    /// Schlick's F of the cosine v·h.
+    #[inline]
+    pub(super) fn fresnel(&self, cosine: f64) -> f64 {
+        self.params.f0 + (1.0 - self.params.f0) * (1.0 - cosine).powi(5)
     }
 
     pub(super) fn albedo(&self, view: DVec3) -> f64 {
-        let lobe = |light| self.evaluate(view, light) - self.diffuse;
-        self.params.diffuse + lobe_albedo(view, [self.params.roughness; 2], lobe)
+        self.params.diffuse + lobe_albedo(view, [self.params.roughness; 2], |light| self.lobe(view, light))
     }
 }

@@ -51,8 +51,13 @@ impl Configure for Phong {
 impl Phong {
     #[inline]
     pub(super) fn evaluate(&self, view: DVec3, light: DVec3) -> f64 {
+        self.diffuse + self.lobe(view, light)
+    }
+
+    #[inline]
+    pub(super) fn lobe(&self, view: DVec3, light: DVec3) -> f64 {
         let cosine = view.z * light.z - (view.x * light.x + view.y * light.y);
-        self.diffuse + self.scale * cosine.max(0.0).powf(self.params.exponent)
+        self.scale * cosine.max(0.0).powf(self.params.exponent)
     }
 
     /// The lobe in polar coordinates (α, ψ) about the mirror direction, as far as it is above rounding.

@@ -63,14 +63,19 @@ impl Configure for Ward {
 impl Ward {
     #[inline]
     pub(super) fn evaluate(&self, view: DVec3, light: DVec3) -> f64 {
+        self.diffuse + self.lobe(view, light)
+    }
+
+    #[inline]
+    pub(super) fn lobe(&self, view: DVec3, light: DVec3) -> f64 {
         let half = view + light;
         let z_square = half.z * half.z;
         let slope = (self.sharpness[0] * half.x * half.x + self.sharpness[1] * half.y * half.y) / z_square;
-        self.diffuse + self.scale * (-slope).exp() * half.length_squared() / (z_square * z_square)
+        self.scale * (-slope).exp() * half.length_squared() / (z_square * z_square)
     }
 
     pub(super) fn albedo(&self, view: DVec3) -> f64 {
-        let lobe = |light| self.evaluate(view, light) - self.diffuse;
-        self.params.diffuse + lobe_albedo(view, [self.params.alpha_x, self.params.alpha_y], lobe)
+        let widths = [self.params.alpha_x, self.params.alpha_y];
+        self.params.diffuse + lobe_albedo(view, widths, |light| self.lobe(view, light))
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 /// Adds the bilinear patch of four corners, counter-clockwise seen from outside, as `along` x `across` quadrilaterals: `along`
 /// between the first two corners, `across` between the second and the third. Normals are the patch's own; the vertices are
 /// its alone, so that its borders are hard edges.
-pub(super) fn add_patch(mesh: &mut Mesh, corners: [DVec3; 4], along: usize, across: usize) {
+pub(in crate::scene) fn add_patch(mesh: &mut Mesh, corners: [DVec3; 4], along: usize, across: usize) {
     let [a, b, c, d] = corners;
     let first = mesh.positions.len() as u32;
     for (i, j) in (0..(along + 1) * (across + 1)).map(|k| (k % (along + 1), k / (along + 1))) {

@@ -10,7 +10,7 @@
 
 mod chair;
 mod cornell;
-mod flat;
+pub(in crate::scene) mod flat;
 mod lattice;
 mod polygons;
 mod radial;
