@@ -1,6 +1,6 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
-use crate::{bench, coherence, decode, encode, figures, fit_light, info, interchange, list, precompute};
+use crate::{bench, coherence, decode, encode, figures, fit_light, info, interchange, light_field, list, precompute};
 use crate::{relight, render, stability, tables, terminal};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -40,7 +40,9 @@ enum Command {
     FitLight(fit_light::FitLight),
     /// Rearranges clusters so that fewer triangles straddle them
     Coherence(coherence::Coherence),
-    /// Draws a scene, relit from a matrix or traced
+    /// Traces and compresses the surface light field of each shape of a world
+    Slf(Box<light_field::LightField>),
+    /// Draws a scene: relit from a matrix, looked up in surface light fields, or traced
     Render(Box<render::Render>),
     /// Tells what a compressed matrix is and costs
     Info(info::InfoArguments),
@@ -82,6 +84,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Relight(arguments) => relight::run(arguments),
         Command::FitLight(arguments) => fit_light::run(arguments),
         Command::Coherence(arguments) => coherence::run(arguments),
+        Command::Slf(arguments) => light_field::run(arguments, threads),
         Command::Render(arguments) => render::run(arguments),
         Command::Info(arguments) => info::run(arguments),
         Command::Tables(arguments) => tables::run(arguments, threads),

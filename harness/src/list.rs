@@ -1,7 +1,7 @@
 //! `prt scenes` and `prt methods`: what there is.
 
 use crate::registry::registry;
-use crate::{scenes, terminal};
+use crate::{scenes, terminal, worlds};
 use clap::Args;
 use prt_transfer::method::About;
 use prt_transfer::scene::brdf::Brdf;
@@ -29,15 +29,17 @@ pub struct Methods {
 
 /// Runs `prt scenes`.
 pub fn scenes(arguments: &Scenes) -> anyhow::Result<()> {
-    let (scenes, lights, brdfs) = (scenes::scenes(), scenes::lights(), Brdf::all());
+    let (scenes, worlds, lights, brdfs) = (scenes::scenes(), worlds::built_in(), scenes::lights(), Brdf::all());
     if arguments.json {
         let brdfs = brdfs.iter().map(stage).collect::<Vec<_>>();
-        return terminal::say_json(&json!({ "scenes": scenes, "lights": lights, "brdfs": brdfs }));
+        return terminal::say_json(&json!({ "scenes": scenes, "worlds": worlds, "lights": lights, "brdfs": brdfs }));
     }
     let mut lines = Vec::new();
-    for (title, list) in [("Scenes", scenes), ("Lights", lights)] {
+    for (title, list) in
+        [("Scenes", scenes), ("Worlds (shapes, materials and lights: for slf and render)", worlds), ("Lights", lights)]
+    {
         lines.push(title.to_string());
-        lines.extend(list.iter().map(|a| format!("  {:<14}{}", a.name, a.about)));
+        lines.extend(list.iter().map(|a| format!("  {:<16}{}", a.name, a.about)));
     }
     lines.push("BRDFs".into());
     brdfs.iter().for_each(|brdf| lines.extend(described(brdf)));

@@ -71,8 +71,12 @@ fn mesh(scene: &str, vertices: Option<usize>, up: Up) -> Result<Mesh> {
     if let Some(vertices) = vertices {
         return refuse("vertices", "its own, which a mesh file keeps", vertices.to_string());
     }
-    let mesh = io::mesh::read(scene)?;
-    Ok(if up == Up::Y { mesh.turned(|v| Vec3::new(v.x, -v.z, v.y)) } else { mesh })
+    Ok(upright(io::mesh::read(scene)?, up))
+}
+
+/// A mesh with the axis that points up in its file as z.
+pub fn upright(mesh: Mesh, up: Up) -> Mesh {
+    if up == Up::Y { mesh.turned(|v| Vec3::new(v.x, -v.z, v.y)) } else { mesh }
 }
 
 /// A built-in light, an image file (.exr, .hdr) or lobes (.json) in `basis`: lights x 3 channels. Negative pixels are taken for 0; lobes
@@ -111,7 +115,7 @@ fn projected(order: usize, light: impl FnOnce(&LightBasis) -> Result<Array2<f32>
 }
 
 /// Linear RGB radiance by unit direction.
-pub type Backdrop = Box<dyn Fn(Direction) -> [f32; 3] + Sync>;
+pub type Backdrop = Box<dyn Fn(Direction) -> [f32; 3] + Send + Sync>;
 
 /// A light as the eye sees it: what is built in at its true sharpness, an image file between the centres of its pixels.
 pub fn backdrop(name: &str) -> Result<Backdrop> {

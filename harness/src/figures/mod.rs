@@ -7,6 +7,7 @@ mod clustered_pca;
 pub mod outcome;
 pub mod plot;
 pub mod setting;
+mod slf;
 mod srbf;
 pub mod stage;
 mod tensor;
@@ -19,6 +20,7 @@ use crate::{cache, files, registry, terminal};
 use anyhow::ensure;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use prt_transfer::image::Picture;
 use prt_transfer::{Error, Result};
 use stage::{Meshes, Stage};
 use std::path::{Path, PathBuf};
@@ -50,12 +52,14 @@ pub struct Drawing {
     pub tables: Vec<(&'static str, Vec<u8>)>,
     /// The chart; none for a table.
     pub chart: Option<Curves>,
+    /// Pictures: what is added to the figure's name, and pixels.
+    pub pictures: Vec<(&'static str, Picture)>,
     /// Whether anything could be measured.
     pub measured: bool,
 }
 
 /// Every paper.
-pub static PAPERS: [Paper; 3] = [clustered_pca::PAPER, srbf::PAPER, tensor::PAPER];
+pub static PAPERS: [Paper; 4] = [clustered_pca::PAPER, slf::PAPER, srbf::PAPER, tensor::PAPER];
 
 /// Time for each relighting figure: short, since there are dozens; methods are timed in turn.
 const BUDGET: Duration = Duration::from_millis(20);
@@ -65,7 +69,7 @@ const VERTICES: u32 = 4000;
 /// Arguments of `prt figures`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  prt figures clustered-pca\n  prt figures clustered-pca --assets meshes --figure figure10 --figure table1\n  prt figures srbf --assets lights --figure lights\n  prt figures tensor --assets meshes --figure table1"
+    after_help = "Examples:\n  prt figures clustered-pca\n  prt figures clustered-pca --assets meshes --figure figure10 --figure table1\n  prt figures srbf --assets lights --figure lights\n  prt figures tensor --assets meshes --figure table1\n  prt figures slf --full --figure table1"
 )]
 pub struct Figures {
     /// Which paper's
@@ -74,6 +78,9 @@ pub struct Figures {
     /// Folder of meshes (bunny_35k.ply, dragon_23k.ply, …) or, for srbf, of lights (.exr), with the paper's own settings; built-in scenes and lights and fewer settings where none is given
     #[arg(long, value_name = "DIR", conflicts_with = "vertices")]
     pub assets: Option<PathBuf>,
+    /// Built-in scenes and worlds at the papers' sizes; for slf tens of minutes of tracing
+    #[arg(long, conflicts_with_all = ["assets", "vertices"])]
+    pub full: bool,
     /// Vertices of the built-in scenes, about
     #[arg(long, value_name = "N", default_value_t = VERTICES, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub vertices: u32,
@@ -95,6 +102,7 @@ pub fn run(arguments: &Figures, threads: usize) -> anyhow::Result<()> {
             ensure!(folder.is_dir(), "there is no folder of assets {}", folder.display());
             Meshes::Files(folder.clone())
         }
+        None if arguments.full => Meshes::PaperSized,
         None => Meshes::BuiltIn(arguments.vertices as usize),
     };
     let out = cache::make(arguments.out.clone())?;
@@ -118,6 +126,9 @@ pub fn run(arguments: &Figures, threads: usize) -> anyhow::Result<()> {
 fn write(figure: &Figure, drawing: &Drawing, out: &Path, machine: &Machine) -> anyhow::Result<()> {
     for (addition, csv) in &drawing.tables {
         files::write_beside(&out.join(format!("{}{addition}.csv", figure.name)), csv)?;
+    }
+    for (addition, picture) in &drawing.pictures {
+        files::write_picture(&out.join(format!("{}{addition}.png", figure.name)), picture)?;
     }
     if let Some(chart) = &drawing.chart {
         let path = |extension| out.join(format!("{}.{extension}", figure.name));

@@ -22,6 +22,8 @@ pub enum Meshes {
     Files(PathBuf),
     /// Built-in scenes of about so many vertices.
     BuiltIn(usize),
+    /// Built-in scenes and worlds of the papers' sizes.
+    PaperSized,
 }
 
 /// A paper's model and what stands in for it.
@@ -62,14 +64,14 @@ impl<'a> Stage<'a> {
 
     /// Whether meshes are about as large as the papers', so that their settings can be taken as they are.
     pub fn is_paper_sized(&self) -> bool {
-        matches!(self.meshes, Meshes::Files(_))
+        !matches!(self.meshes, Meshes::BuiltIn(_))
     }
 
     /// The user's assets, if any.
     pub fn folder(&self) -> Option<&Path> {
         match &self.meshes {
             Meshes::Files(folder) => Some(folder),
-            Meshes::BuiltIn(_) => None,
+            Meshes::BuiltIn(_) | Meshes::PaperSized => None,
         }
     }
 
@@ -95,7 +97,7 @@ impl<'a> Stage<'a> {
     pub fn place(&self, mesh: &Mesh) -> (String, Option<usize>, Up) {
         match (&self.meshes, mesh.file) {
             (Meshes::Files(folder), Some(file)) => (folder.join(file).display().to_string(), None, Up::Y),
-            (Meshes::Files(_), None) => (mesh.built_in.into(), Some(mesh.vertices), Up::Z),
+            (Meshes::Files(_), None) | (Meshes::PaperSized, _) => (mesh.built_in.into(), Some(mesh.vertices), Up::Z),
             (&Meshes::BuiltIn(vertices), _) => (mesh.built_in.into(), Some(vertices), Up::Z),
         }
     }

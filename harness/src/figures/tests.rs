@@ -111,7 +111,7 @@ fn what_is_written_is_the_chart_and_its_figures() {
     let outcomes: Vec<Outcome> = Vec::new();
     let chart = Some(plot(("t", "s".into(), None), &[], &outcomes, &[MEMORY], |_| String::new()));
     let tables = vec![("", b"a\n".to_vec()), ("-paper", b"b\n".to_vec())];
-    let drawing = Drawing { text: String::new(), tables, chart, measured: false };
+    let drawing = Drawing { text: String::new(), tables, chart, pictures: Vec::new(), measured: false };
     write(&figure, &drawing, folder.path(), &Machine::here(2)).unwrap();
     let file = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     assert_eq!((file("figure0.csv"), file("figure0-paper.csv")), (b"a\n".to_vec(), b"b\n".to_vec()));

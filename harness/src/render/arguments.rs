@@ -2,8 +2,10 @@
 
 use crate::precompute::count;
 use crate::scenes::Up;
+use crate::worlds;
 use clap::Args;
 use glam::Vec3;
+use prt_slf::Interpolation;
 use prt_transfer::image::Tone;
 use prt_transfer::mesh::Mesh;
 use prt_transfer::params::Value;
@@ -15,18 +17,30 @@ use std::path::PathBuf;
 /// Arguments of `prt render`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  prt render teapot teapot.prt -o teapot.png\n  prt render bunny.ply bunny.npz --up y --light hall.exr --azimuth 200 --elevation 15 -o bunny.png\n  prt render teapot --reference -o exact.exr\n  prt render teapot teapot.prt --compare exact.exr --error-map error.png -o teapot.png"
+    after_help = "Examples:\n  prt render teapot teapot.prt -o teapot.png\n  prt render bunny.ply bunny.npz --up y --light hall.exr --azimuth 200 --elevation 15 -o bunny.png\n  prt render teapot --reference -o exact.exr\n  prt render teapot teapot.prt --compare exact.exr --error-map error.png -o teapot.png\n  prt render cornell-spheres --slf field -o picture.png\n  prt render cornell-spheres --reference --samples 16 -o paths.exr"
 )]
 pub struct Render {
-    /// A built-in scene (`prt scenes` lists them) or a mesh (.ply, .obj): the one that the matrix was computed of
+    /// A built-in scene or world (`prt scenes` lists them) or a mesh (.ply, .obj): the one that the matrix or the fields were computed of
     #[arg(value_name = "SCENE|MESH")]
     pub scene: String,
     /// Its matrix, of any signal: .prt, .npz, .npy or .mtx
-    #[arg(required_unless_present = "reference", conflicts_with = "reference")]
+    #[arg(required_unless_present_any = ["reference", "slf"], conflicts_with_all = ["reference", "slf"])]
     pub matrix: Option<PathBuf>,
-    /// Instead of a matrix: trace direct light at every sample of the picture
+    /// Instead of a matrix: the folder of surface light fields that `prt slf` made; shapes without one are traced
+    #[arg(long, value_name = "DIR", conflicts_with = "reference")]
+    pub slf: Option<PathBuf>,
+    /// Instead of a matrix: trace direct light at every sample of the picture; paths in a world and with --bounces
     #[arg(long)]
     pub reference: bool,
+    /// With --reference: paths of at most N reflections, also of a mesh; 1 is direct light [default: 32 in a world]
+    #[arg(long, value_name = "N", requires = "reference", value_parser = count(0, 1000))]
+    pub bounces: Option<usize>,
+    /// Of paths
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Between texels and directions of --slf: bilinear, or paper (inverse distances and e^(d·d'))
+    #[arg(long, value_name = "RULE", default_value = "bilinear", value_parser = interpolation)]
+    pub interpolation: Interpolation,
     /// Where to write the picture: .png (exposed, tone-mapped) or .exr (linear radiance)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
@@ -50,16 +64,16 @@ pub struct Render {
     /// [default: lambert]
     #[arg(long)]
     pub brdf: Option<Brdf>,
-    /// A built-in light (`prt scenes` lists them) or a lat-long image (.exr, .hdr)
-    #[arg(long, value_name = "LIGHT", default_value = "sky")]
-    pub light: String,
+    /// A built-in light (`prt scenes` lists them) or a lat-long image (.exr, .hdr); a built-in world has its own [default: sky]
+    #[arg(long, value_name = "LIGHT")]
+    pub light: Option<String>,
     /// Where the camera is.
     #[command(flatten)]
     pub place: Place,
     /// Size of the picture in pixels
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size)]
     pub size: [usize; 2],
-    /// Each pixel is the mean of n x n samples, n from 1 to 16 [default: 4; 2 with --reference]
+    /// Each pixel is the mean of n x n samples, n from 1 to 16, and to 64 of paths [default: 4; 2 with --reference of a mesh, 3 with --slf]
     #[arg(long, value_name = "n")]
     pub samples: Option<usize>,
     /// What is behind the scene: light, or a colour of the screen (linear, before the tone curve): black, white or r,g,b
@@ -89,12 +103,12 @@ pub struct Render {
 /// Where the camera is.
 #[derive(Args, Debug)]
 pub struct Place {
-    /// Degrees from +x towards +y at which the camera stands, seen from the middle of the scene
-    #[arg(long, value_name = "DEGREES", default_value_t = 30.0, allow_hyphen_values = true)]
-    pub azimuth: f64,
-    /// Degrees above the horizon at which the camera stands
-    #[arg(long, value_name = "DEGREES", default_value_t = 15.0, allow_hyphen_values = true)]
-    pub elevation: f64,
+    /// Degrees from +x towards +y at which the camera stands, seen from the middle of the scene [default: 30; a built-in world has a view of its own]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub azimuth: Option<f64>,
+    /// Degrees above the horizon at which the camera stands [default: 15]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    pub elevation: Option<f64>,
     /// Degrees that the shorter side of the picture spans
     #[arg(long, value_name = "DEGREES", default_value_t = 40.0)]
     pub fov: f64,
@@ -130,9 +144,12 @@ impl Render {
         let Place { azimuth, elevation, fov, eye, target } = self.place;
         let [width, height] = self.size;
         let film = Film { width, height, field_of_view: fov };
-        match eye.zip(target) {
-            Some((eye, target)) => Camera::looking(eye, target, film),
-            None => Camera::framing(mesh, azimuth, elevation, film),
+        if let Some((eye, target)) = eye.zip(target) {
+            return Camera::looking(eye, target, film);
+        }
+        match worlds::view(&self.scene).filter(|_| azimuth.is_none() && elevation.is_none()) {
+            Some([eye, target]) => Camera::looking(eye, target, film),
+            None => Camera::framing(mesh, azimuth.unwrap_or(30.0), elevation.unwrap_or(15.0), film),
         }
     }
 }
@@ -168,6 +185,14 @@ fn exposure(text: &str) -> Result<Exposure, String> {
         _ if text == "auto" => Ok(Exposure::Auto),
         Ok(stops) if (-100.0..=100.0).contains(&stops) => Ok(Exposure::Stops(stops)),
         _ => Err("expected auto or a number of stops from -100 to 100".into()),
+    }
+}
+
+fn interpolation(text: &str) -> Result<Interpolation, String> {
+    match text {
+        "bilinear" => Ok(Interpolation::Bilinear),
+        "paper" => Ok(Interpolation::Paper),
+        _ => Err("expected bilinear or paper".into()),
     }
 }
 

@@ -1,12 +1,13 @@
 //! `prt render`: a picture of a scene, relit from a matrix or traced.
 
 mod arguments;
+mod world;
 
 use crate::files::{self, Description};
 use crate::progress::Bar;
 use crate::registry::registry;
 use crate::scenes::{self, Backdrop};
-use crate::{number, terminal};
+use crate::{number, terminal, worlds};
 use anyhow::bail;
 pub use arguments::{Background, Exposure, Place, Render};
 use glam::Vec3;
@@ -28,6 +29,8 @@ use std::time::Instant;
 struct Rendered {
     /// Wall clock of everything, s.
     seconds: f64,
+    /// Of the picture alone, without reading files and building what rays are traced in, s.
+    picture_s: f64,
     /// Share of the pixels that the surface fills.
     filled: f64,
     /// Stops.
@@ -35,6 +38,9 @@ struct Rendered {
     /// Against the picture compared with, over the pixels that the surface fills.
     #[serde(flatten)]
     errors: Option<Errors>,
+    /// What should not go unsaid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
 }
 
 /// How far a picture is from another one; what is infinite is null.
@@ -46,31 +52,28 @@ struct Errors {
     psnr_db: f64,
 }
 
+/// A picture before exposure.
+struct Drawn {
+    /// Linear radiance.
+    image: Image,
+    /// For every pixel the share of its samples that meet a surface.
+    coverage: Vec<f32>,
+    /// Wall clock of the picture itself, s.
+    picture_s: f64,
+    /// What should not go unsaid.
+    note: Option<String>,
+}
+
 /// Runs the command.
 pub fn run(arguments: &Render) -> anyhow::Result<()> {
     let began = Instant::now();
     check(arguments)?;
     // First, so that nothing is traced for a picture that cannot be compared.
     let compared = arguments.compare.as_deref().map(|path| compared(path, arguments.size)).transpose()?;
-    let (mesh, _) = scenes::load(&arguments.scene, arguments.vertices, arguments.up)?;
-    let (occluders, frames) = (Occluders::new(&mesh)?, vertex_frames(&mesh)?);
     let bar = Bar::default();
-    let samples = arguments.samples.unwrap_or(if arguments.reference { 2 } else { 4 });
-    let view = View::cast(&mesh, &occluders, arguments.camera(&mesh)?, samples, &bar)?;
-    let backdrop: Backdrop = match arguments.background {
-        Background::Light => scenes::backdrop(&arguments.light)?,
-        Background::Screen(_) => Box::new(|_| [0.0; 3]),
-    };
-    let mut image = match &arguments.matrix {
-        Some(matrix) => {
-            let (shading, responses) = responses(arguments, matrix, frames.len())?;
-            let colours = shading.colours(&mesh.positions, &frames, view.camera().eye(), responses.view())?;
-            view.interpolate(&colours, backdrop)?
-        }
-        None => traced(arguments, &view, &frames, backdrop, &bar)?,
-    };
+    let drawn = if world::is_asked_for(arguments) { world::drawn(arguments, &bar)? } else { drawn(arguments, &bar)? };
     drop(bar);
-    let coverage = view.coverage();
+    let Drawn { mut image, coverage, picture_s, note } = drawn;
     let (exposure, tone) = (arguments.exposure.unwrap_or(Exposure::Auto), arguments.tone.unwrap_or(Tone::Clip));
     let stops = match exposure {
         Exposure::Stops(stops) => stops,
@@ -79,27 +82,65 @@ pub fn run(arguments: &Render) -> anyhow::Result<()> {
     if let Background::Screen(colour) = arguments.background {
         fill_behind(&mut image, &coverage, colour.map(|c| c / stops.exp2() as f32));
     }
-    let mut errors = None;
-    if let Some(reference) = &compared {
-        let relative_squared_error = image.relative_squared_error(reference, &coverage)?;
-        let psnr_db = image.psnr(reference, &coverage, stops, tone)?;
-        errors = Some(Errors { relative_squared_error, psnr_db });
-        let map = image.error_map(reference, &coverage, stops)?;
-        if let Some(path) = &arguments.error_map {
-            files::write_picture(path, &map)?;
-        }
-        if let Some(path) = &arguments.beside {
-            let row = [image.develop(stops, tone), reference.develop(stops, tone), map];
-            files::write_picture(path, &Picture::beside(&row))?;
-        }
-    }
+    let beside = compared.as_ref().map(|reference| beside(arguments, &image, reference, &coverage, (stops, tone)));
+    let errors = beside.transpose()?;
     match linear(&arguments.output)? {
         true => files::write_radiance(&arguments.output, &image)?,
         false => files::write_picture(&arguments.output, &image.develop(stops, tone))?,
     }
     let filled = coverage.iter().filter(|c| **c == 1.0).count() as f64 / coverage.len() as f64;
-    let rendered = Rendered { seconds: began.elapsed().as_secs_f64(), filled, exposure: stops, errors };
+    let seconds = began.elapsed().as_secs_f64();
+    let rendered = Rendered { seconds, picture_s, filled, exposure: stops, errors, note };
     if arguments.json { terminal::say_json(&rendered) } else { terminal::say(sentence(&rendered)) }
+}
+
+/// A mesh relit from a matrix, or traced in direct light.
+fn drawn(arguments: &Render, bar: &Bar) -> anyhow::Result<Drawn> {
+    let (mesh, _) = scenes::load(&arguments.scene, arguments.vertices, arguments.up)?;
+    let (occluders, frames) = (Occluders::new(&mesh)?, vertex_frames(&mesh)?);
+    let samples = arguments.samples.unwrap_or(if arguments.reference { 2 } else { 4 });
+    let camera = arguments.camera(&mesh)?;
+    let began = Instant::now();
+    let view = View::cast(&mesh, &occluders, camera, samples, bar)?;
+    let backdrop: Backdrop = match arguments.background {
+        Background::Light => scenes::backdrop(light(arguments))?,
+        Background::Screen(_) => Box::new(|_| [0.0; 3]),
+    };
+    let image = match &arguments.matrix {
+        Some(matrix) => {
+            let (shading, responses) = responses(arguments, matrix, frames.len())?;
+            let colours = shading.colours(&mesh.positions, &frames, view.camera().eye(), responses.view())?;
+            view.interpolate(&colours, backdrop)?
+        }
+        None => traced(arguments, &view, &frames, backdrop, bar)?,
+    };
+    Ok(Drawn { image, coverage: view.coverage(), picture_s: began.elapsed().as_secs_f64(), note: None })
+}
+
+/// The light of a mesh.
+fn light(arguments: &Render) -> &str {
+    arguments.light.as_deref().unwrap_or(worlds::LIGHT)
+}
+
+/// Errors against a picture, and the pictures that show them.
+fn beside(
+    arguments: &Render,
+    image: &Image,
+    reference: &Image,
+    coverage: &[f32],
+    (stops, tone): (f64, Tone),
+) -> anyhow::Result<Errors> {
+    let relative_squared_error = image.relative_squared_error(reference, coverage)?;
+    let psnr_db = image.psnr(reference, coverage, stops, tone)?;
+    let map = image.error_map(reference, coverage, stops)?;
+    if let Some(path) = &arguments.error_map {
+        files::write_picture(path, &map)?;
+    }
+    if let Some(path) = &arguments.beside {
+        let row = [image.develop(stops, tone), reference.develop(stops, tone), map];
+        files::write_picture(path, &Picture::beside(&row))?;
+    }
+    Ok(Errors { relative_squared_error, psnr_db })
 }
 
 /// Refuses options that would say nothing.
@@ -134,7 +175,7 @@ fn compared(path: &Path, size: [usize; 2]) -> Result<Image> {
 
 /// Responses of a matrix of `vertices` samples to the light, rows x 3, and what they make of a view.
 fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result<(Shading, Array2<f32>)> {
-    let Render { scene, brdf, light, responses, basis, .. } = arguments;
+    let Render { scene, brdf, responses, basis, .. } = arguments;
     let lit = |shape: Shape, columns: &LightBasis, rows: &ResponseBasis| -> anyhow::Result<(Shading, Array2<f32>)> {
         let path = path.display();
         Error::expect_size(format!("samples of {path}, one for each vertex of {scene}"), vertices, shape.samples)?;
@@ -145,7 +186,7 @@ fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result
             bail!("{path} does not say what its rows stand for: give --responses");
         }
         let shading = Shading::new(rows, brdf.as_ref())?;
-        let light = rows.light(columns, scenes::light(light, columns)?)?;
+        let light = rows.light(columns, scenes::light(light(arguments), columns)?)?;
         Ok((shading, light))
     };
     let relit = |shape: Shape| Array2::zeros((shape.rows(), 3));
@@ -189,7 +230,7 @@ fn traced(
         return Err(Error::Unsupported { what, expected, found: basis.to_string() });
     };
     let sampling = Sampling { resolution, supersampling: arguments.supersampling.unwrap_or(usual.supersampling) };
-    let light = scenes::light(&arguments.light, &basis)?;
+    let light = scenes::light(light(arguments), &basis)?;
     Reference { frames, sampling, light: light.view(), brdf: &reflectance }.image(view, backdrop, progress)
 }
 
@@ -201,12 +242,14 @@ fn fill_behind(image: &mut Image, coverage: &[f32], colour: [f32; 3]) {
 }
 
 fn sentence(rendered: &Rendered) -> String {
-    let Rendered { seconds, filled, exposure, errors } = rendered;
-    let (percent, seconds) = (number::short(100.0 * filled), number::short(*seconds));
-    let mut text = format!("surface on {percent} % of the pixels, exposure {exposure:+.2} EV, rendered in {seconds} s");
+    let Rendered { seconds, picture_s, filled, exposure, errors, note } = rendered;
+    let (percent, [seconds, alone]) = (number::short(100.0 * filled), [seconds, picture_s].map(|s| number::short(*s)));
+    let mut text = format!(
+        "surface on {percent} % of the pixels, exposure {exposure:+.2} EV, rendered in {seconds} s, the picture alone in {alone} s"
+    );
     if let Some(Errors { relative_squared_error, psnr_db }) = errors {
         let (error, psnr) = (number::short(*relative_squared_error), number::short(*psnr_db));
         text += &format!("; relative squared error {error}, PSNR {psnr} dB");
     }
-    text
+    text + &note.as_ref().map_or(String::new(), |note| format!("\n{note}"))
 }

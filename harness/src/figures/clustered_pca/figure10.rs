@@ -32,6 +32,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
             ("-paper", matched::csv(&beside, &stage.machine)?),
         ],
         chart: Some(chart(subject.title(), &curves, &outcomes)),
+        pictures: Vec::new(),
         measured: outcomes.iter().any(|o| o.row.is_ok()),
     })
 }

@@ -22,6 +22,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: outcome::table(TITLE, &subject, &outcomes),
         tables: vec![("", outcome::csv(&curves, &outcomes, &stage.machine)?)],
         chart: Some(chart(subject.title(), &curves, &outcomes)),
+        pictures: Vec::new(),
         measured: outcomes.iter().any(|o| o.row.is_ok()),
     })
 }

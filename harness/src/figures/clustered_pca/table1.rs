@@ -135,6 +135,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: text(&lines),
         tables: vec![("", csv(&lines, &stage.machine)?)],
         chart: None,
+        pictures: Vec::new(),
         measured: lines.iter().flat_map(|line| &line.outcomes).any(|o| o.row.is_ok()),
     })
 }

@@ -49,7 +49,13 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     }
     let measured = outcomes.iter().any(|o| o.errors.iter().any(Result::is_ok));
     let (text, chart) = (table(&outcomes), chart(&matrix, &outcomes));
-    Ok(Drawing { text, tables: vec![("", csv(&outcomes, &stage.machine)?)], chart: Some(chart), measured })
+    Ok(Drawing {
+        text,
+        tables: vec![("", csv(&outcomes, &stage.machine)?)],
+        chart: Some(chart),
+        pictures: Vec::new(),
+        measured,
+    })
 }
 
 fn at(stage: &Stage, matrix: &TransferMatrix, bandwidth: f64) -> anyhow::Result<Outcome> {

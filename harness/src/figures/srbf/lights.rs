@@ -59,6 +59,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: table(&outcomes),
         tables: vec![("", csv(&outcomes, &stage.machine)?)],
         chart: charted.then(|| chart(&outcomes)),
+        pictures: Vec::new(),
         measured: !outcomes.is_empty(),
     })
 }

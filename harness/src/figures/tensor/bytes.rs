@@ -53,6 +53,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: table(&coefficients, &outcomes),
         tables: vec![("", csv(&coefficients, &outcomes, &stage.machine)?)],
         chart: Some(chart(&coefficients, &outcomes)),
+        pictures: Vec::new(),
         measured: outcomes.iter().any(|o| o.encoding.figures.is_ok()),
     })
 }

@@ -58,6 +58,7 @@ pub(super) fn drawing(stage: &Stage, size: [usize; 3], ranks: &[usize]) -> anyho
         text: table(&outcomes),
         tables: vec![("", csv(&outcomes, &stage.machine)?)],
         chart: Some(chart(size, &outcomes)),
+        pictures: Vec::new(),
         measured: outcomes.iter().any(|o| o.result.is_ok()),
     })
 }

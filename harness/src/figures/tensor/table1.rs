@@ -92,6 +92,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: text(&lines),
         tables: vec![("", csv(&lines, &stage.machine)?)],
         chart: None,
+        pictures: Vec::new(),
         measured: ours.flat_map(|ours| &ours.encodings).any(|e| e.figures.is_ok()),
     })
 }

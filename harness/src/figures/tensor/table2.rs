@@ -61,6 +61,7 @@ pub(super) fn drawing(stage: &Stage, spec: &Spec, sizes: &[usize]) -> anyhow::Re
         text: table(&subject, &lines),
         tables: vec![("", csv(&subject, &lines, &stage.machine)?)],
         chart: None,
+        pictures: Vec::new(),
         measured: lines.iter().any(|line| line.figures.is_ok()),
     })
 }

@@ -1,0 +1,122 @@
+//! A folder of fields, and pictures of them.
+
+use super::shape::as_slf;
+use crate::files;
+use crate::registry::registry;
+use anyhow::{Context, bail, ensure};
+use glam::Vec3;
+use prt_slf::{EncodedSlf, Interpolation, Rows, Sphere, SurfaceLightField};
+use prt_transfer::image::Image;
+use prt_transfer::responses::Directions;
+use prt_transfer::scene::light_field::mirrored;
+use prt_transfer::scene::path::{PathTracer, Tally};
+use prt_transfer::scene::picture::{Frame, picture};
+use prt_transfer::scene::world::{SurfacePoint, World};
+use prt_transfer::{Compressed, LightBasis, Progress, ResponseBasis, Result};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// The fields of a world's shapes.
+pub struct Fields {
+    /// By object; `None` where the folder has none.
+    of: Vec<Option<Field>>,
+}
+
+/// The field of one shape.
+struct Field {
+    of: Lookup,
+    directions: Directions,
+}
+
+enum Lookup {
+    Slf(Box<SurfaceLightField<EncodedSlf>>),
+    Rows(SurfaceLightField<Rows>),
+}
+
+impl Field {
+    /// Of any method: what is not `slf` is decoded, for looking up needs single elements.
+    fn read(path: &Path, interpolation: Interpolation) -> anyhow::Result<Field> {
+        let compressed = files::read_prt(path, &registry())?;
+        let ResponseBasis::Radiance { texels, directions } = *compressed.responses() else {
+            bail!("{} holds {}, not radiance of texels", path.display(), compressed.responses());
+        };
+        let LightBasis::LatLong { width, height } = *compressed.basis() else {
+            bail!("{} holds radiance by {}, not by a lat-long grid of directions", path.display(), compressed.basis());
+        };
+        let (sphere, named) = (Sphere { z: width, w: height }, || format!("{} is no light field", path.display()));
+        let of = match as_slf(&compressed)? {
+            Some(slf) => {
+                Lookup::Slf(Box::new(SurfaceLightField::new(texels, sphere, slf, interpolation).with_context(named)?))
+            }
+            None => {
+                let rows = decoded(&compressed).with_context(named)?;
+                Lookup::Rows(SurfaceLightField::new(texels, sphere, rows, interpolation).with_context(named)?)
+            }
+        };
+        Ok(Field { of, directions })
+    }
+
+    fn radiance(&self, point: &SurfacePoint, view: Vec3) -> [f32; 3] {
+        let direction = match self.directions {
+            Directions::World => view,
+            Directions::Reflected => mirrored(view, point.normal),
+        };
+        let (uv, direction) = (point.uv.to_array(), direction.to_array());
+        match &self.of {
+            Lookup::Slf(field) => field.radiance(uv, direction),
+            Lookup::Rows(field) => field.radiance(uv, direction),
+        }
+    }
+}
+
+impl Fields {
+    /// Reads SHAPE.prt of every object that has one.
+    pub fn read(folder: &Path, world: &World, interpolation: Interpolation) -> anyhow::Result<Fields> {
+        let of = |name: &str| {
+            let path = folder.join(format!("{name}.prt"));
+            path.exists().then(|| Field::read(&path, interpolation)).transpose()
+        };
+        let of = world.objects().iter().map(|o| of(&o.name)).collect::<anyhow::Result<Vec<_>>>()?;
+        let names: Vec<&str> = world.objects().iter().map(|o| o.name.as_str()).collect();
+        ensure!(
+            of.iter().any(Option::is_some),
+            "{} holds no field of a shape ({}.prt): prt slf makes them",
+            folder.display(),
+            names.join(".prt, ")
+        );
+        Ok(Fields { of })
+    }
+
+    /// Objects without a field.
+    pub fn without<'a>(&self, world: &'a World) -> Vec<&'a str> {
+        world.objects().iter().zip(&self.of).filter(|(_, f)| f.is_none()).map(|(o, _)| o.name.as_str()).collect()
+    }
+
+    /// The picture, and for every pixel the share of its samples that meet a surface. Objects without a field are traced, a path a sample.
+    pub fn picture(&self, tracer: &PathTracer, frame: &Frame, progress: &dyn Progress) -> Result<(Image, Vec<f32>)> {
+        let radiance = |point: &SurfacePoint, view: Vec3| match &self.of[point.object as usize] {
+            Some(field) => field.radiance(point, view),
+            None => traced(tracer, point, view),
+        };
+        picture(tracer.world(), frame, radiance, progress)
+    }
+}
+
+/// Every element.
+fn decoded(compressed: &Compressed) -> Result<Rows> {
+    let shape = compressed.shape();
+    let mut values = vec![0f32; shape.rows() * shape.lights];
+    values.par_chunks_mut(shape.lights.max(1)).enumerate().for_each(|(row, out)| compressed.row_into(row, out));
+    Rows::new(values, shape)
+}
+
+/// Radiance of a shape without a field: one path.
+fn traced(tracer: &PathTracer, point: &SurfacePoint, view: Vec3) -> [f32; 3] {
+    // A sequence of its own for every point that is seen.
+    let bits = point.position.to_array().map(f32::to_bits);
+    let key = bits.into_iter().fold(0u64, |key, bits| key.rotate_left(21) ^ u64::from(bits));
+    let mut tally = Tally::default();
+    let material = &tracer.world().objects()[point.object as usize].material;
+    let reflected = tracer.diffuse(point, key, 0, &mut tally) + tracer.lobe(point, view, key, 0, &mut tally);
+    (material.emission + reflected).to_array()
+}
