@@ -116,11 +116,10 @@ impl EncodedSlf {
 
     /// The numbers that Eq. 5 counts.
     pub fn counts(&self) -> Counts {
-        let rows = self.layout.shape.rows() as u64;
         Counts {
             surface: self.surface.len() as u64,
             views: self.views.len() as u64,
-            mean: rows,
+            mean: self.means.len() as u64,
             ids: (self.layout.shape.samples * self.layout.fields()) as u64,
         }
     }

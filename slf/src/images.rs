@@ -2,7 +2,7 @@
 
 use crate::encoded::rounded;
 use crate::haar;
-use prt_transfer::numbers::Numbers;
+use prt_transfer::numbers::{Numbers, code};
 use rayon::prelude::*;
 
 /// Images of one size in groups, memory being groups x pixels x images of a group.
@@ -73,15 +73,6 @@ impl Images {
 pub(crate) fn coded(taken: &[f64], pixels: usize, scales: &[f32]) -> Numbers {
     let code = |(at, v): (usize, &f64)| code(*v, f64::from(scales[at / pixels.max(1)]));
     Numbers::I16 { codes: taken.par_iter().enumerate().map(code).collect(), scales: scales.to_vec() }
-}
-
-pub(crate) fn code(value: f64, scale: f64) -> i16 {
-    if scale == 0.0 {
-        return 0;
-    }
-    let code = (value / scale).round().clamp(-MOST, MOST) as i16;
-    // Only beside f32::MAX can rounding up leave its range.
-    if (f32::from(code) * scale as f32).is_finite() { code } else { code - code.signum() }
 }
 
 /// The step of an image: at least what its largest number needs; 0 where all are.

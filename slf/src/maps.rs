@@ -7,10 +7,10 @@
 //! decided for each kind of map by the entropy of its codes. View maps and means mostly gain from it, surface maps only where clusters
 //! are few.
 
-use crate::images::{Images, code, coded, scale};
+use crate::images::{Images, coded, scale};
 use crate::layout::Layout;
 use crate::model::Model;
-use prt_transfer::numbers::Numbers;
+use prt_transfer::numbers::{Numbers, code};
 use prt_transfer::{LightBasis, ResponseBasis, TransferMatrix};
 use rayon::prelude::*;
 
@@ -169,6 +169,7 @@ fn weights(model: &Model) -> [Vec<f64>; KINDS] {
 #[cfg(test)]
 mod tests {
     use crate::{Clusters, Maps, Slf, SlfParams};
+    use prt_transfer::responses::Directions;
     use prt_transfer::texels::{Border, Texels};
     use prt_transfer::{Codec, Configure, LightBasis, Quiet, ResponseBasis, TransferMatrix};
 
@@ -180,7 +181,7 @@ mod tests {
             element(u, v, (i % 144) as f64 / 144.0) as f32
         });
         let matrix = TransferMatrix::from_dense(values.collect(), 900, 3, basis).unwrap();
-        let matrix = matrix.with_responses(ResponseBasis::Radiance { texels, directions: Default::default() }).unwrap();
+        let matrix = matrix.with_responses(ResponseBasis::Radiance { texels, directions: Directions::World }).unwrap();
         let clusters = Clusters::Number(clusters);
         let params = SlfParams { clusters, components: 2, maps: Maps::Haar, noise: 0.3, ..Default::default() };
         Slf::new(params).unwrap().encode(&matrix, &Quiet).unwrap().maps.unwrap().waves

@@ -10,7 +10,8 @@ use crate::sections::{Sink, Source};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use ndarray::{ArrayView2, ArrayViewMut2};
-use scale::{code, halve, scale_of_codes, scale_of_halves, scale_of_step};
+pub use scale::code;
+use scale::{halve, scale_of_codes, scale_of_halves, scale_of_step};
 use std::ops::Range;
 
 crate::choices! {
@@ -102,7 +103,7 @@ impl Numbers {
             Numbers::F16 { halves: each.map(|(&v, vector)| halve(v, scales[vector])).collect(), scales }
         } else {
             let scales: Vec<f32> = largest.into_iter().map(scale_of_codes).collect();
-            Numbers::I16 { codes: each.map(|(&v, vector)| code(v, scales[vector])).collect(), scales }
+            Numbers::I16 { codes: each.map(|(&v, vector)| code(v.into(), scales[vector].into())).collect(), scales }
         }
     }
 
@@ -114,7 +115,7 @@ impl Numbers {
         for (scale, step) in scales.iter_mut().zip(steps) {
             *scale = scale_of_codes(*scale).max(scale_of_step(*step));
         }
-        let codes = values.iter().zip(vector_of).map(|(&v, vector)| code(v, scales[vector])).collect();
+        let codes = values.iter().zip(vector_of).map(|(&v, vector)| code(v.into(), scales[vector].into())).collect();
         Numbers::I16 { codes, scales }
     }
 

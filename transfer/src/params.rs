@@ -176,7 +176,7 @@ macro_rules! choices {
         }
     ) => {
         $(#[doc = $about])+
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum $type {
             $( $(#[doc = $doc])+ $variant, )+
         }

@@ -75,15 +75,15 @@ pub enum Coordinates {
     Orthonormal,
 }
 
-/// What a direction of a surface light field stands for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Directions {
-    /// Where radiance goes, in the world (Miandji et al. 2011).
-    #[default]
-    World,
-    /// Where it would have come from in a mirror: the direction is mirrored about the point's normal (Wood et al. 2000). What a lobe
-    /// reflects of a distant scene then is nearly the same at all points.
-    Reflected,
+crate::choices! {
+    /// What a direction of a surface light field stands for.
+    pub enum Directions {
+        /// Where radiance goes, in the world (Miandji et al. 2011).
+        World = "world",
+        /// Where it would have come from in a mirror: the direction is mirrored about the point's normal (Wood et al. 2000). What a lobe
+        /// reflects of a distant scene then is nearly the same at all points.
+        Reflected = "reflected",
+    }
 }
 
 impl ResponseBasis {

@@ -1,5 +1,6 @@
 //! Texels of a surface: a grid over the unit square of its texture coordinates.
 
+use crate::error::{Error, Result};
 use std::fmt;
 use std::str::FromStr;
 
@@ -86,22 +87,20 @@ impl fmt::Display for Texels {
     }
 }
 
-/// What was not a grid of texels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NoTexels;
-
 impl FromStr for Texels {
-    type Err = NoTexels;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Texels, NoTexels> {
+    fn from_str(text: &str) -> Result<Texels> {
+        let known = || "WIDTHxHEIGHT, WIDTHxHEIGHT:wrap and WIDTHxHEIGHT:octahedral".into();
+        let refuse = || Error::Unknown { what: "grid of texels", name: text.into(), known: known() };
         let (size, border) = match text.split_once(':') {
             None => (text, Border::Clamp),
             Some((size, "wrap")) => (size, Border::Wrap),
             Some((size, "octahedral")) => (size, Border::Octahedral),
-            Some(_) => return Err(NoTexels),
+            Some(_) => return Err(refuse()),
         };
-        let side = |text: &str| text.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n)).ok_or(NoTexels);
-        let (width, height) = size.split_once('x').ok_or(NoTexels)?;
+        let side = |text: &str| text.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n)).ok_or_else(refuse);
+        let (width, height) = size.split_once('x').ok_or_else(refuse)?;
         Ok(Texels { width: side(width)?, height: side(height)?, border })
     }
 }
@@ -181,10 +180,10 @@ mod tests {
     #[test]
     fn every_grid_reads_back_what_it_prints() {
         for text in ["256x128", "1x1", "64x64:wrap", "32x32:octahedral"] {
-            assert_eq!(text.parse::<Texels>().map(|t| t.to_string()).as_deref(), Ok(text));
+            assert_eq!(text.parse::<Texels>().unwrap().to_string(), text);
         }
         for text in ["", "4", "0x4", "4x", "4x4:", "4x4:mirror", "-1x2", "99999x1", "4x4:wrap:wrap"] {
-            assert_eq!(text.parse::<Texels>(), Err(NoTexels), "{text}");
+            assert!(text.parse::<Texels>().is_err(), "{text}");
         }
     }
 }

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 use prt_slf::{EncodedSlf, Slf, SlfParams, Sphere};
+use prt_transfer::responses::Directions;
 use prt_transfer::texels::{Border, Texels};
 use prt_transfer::{Codec, Configure, Encoded, LightBasis, Quiet, ResponseBasis, TransferMatrix};
 
@@ -20,7 +21,7 @@ pub(crate) fn field(
     }
     let basis = LightBasis::LatLong { width: sphere.z, height: sphere.w };
     let matrix = TransferMatrix::from_dense(values, 3 * texels.count(), 3, basis).unwrap();
-    matrix.with_responses(ResponseBasis::Radiance { texels, directions: Default::default() }).unwrap()
+    matrix.with_responses(ResponseBasis::Radiance { texels, directions: Directions::World }).unwrap()
 }
 
 /// Smooth in place and direction: a diffuse part and a glossy lobe that turns along the surface.

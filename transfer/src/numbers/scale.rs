@@ -40,11 +40,12 @@ pub(super) fn scale_of_step(step: f64) -> f32 {
     ((step / last_bit).floor() * last_bit) as f32
 }
 
-pub(super) fn code(value: f32, scale: f32) -> i16 {
+/// The nearest of 32,767 steps of a scale in either direction; 0 where the scale is.
+pub fn code(value: f64, scale: f64) -> i16 {
     if scale == 0.0 {
         return 0;
     }
-    let code = (f64::from(value) / f64::from(scale)).round() as i16;
+    let code = (value / scale).round().clamp(-f64::from(i16::MAX), f64::from(i16::MAX)) as i16;
     // As in `halve`.
-    if (f32::from(code) * scale).is_finite() { code } else { code - code.signum() }
+    if (f32::from(code) * scale as f32).is_finite() { code } else { code - code.signum() }
 }

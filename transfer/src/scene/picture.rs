@@ -11,7 +11,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// Who looks, how closely, and what is behind.
-pub struct Frame<'a> {
+pub struct Shot<'a> {
     /// The camera.
     pub camera: &'a Camera,
     /// Samples along an edge of a pixel, 1 to [`MAX_SAMPLES`], on a regular grid.
@@ -27,11 +27,11 @@ pub struct Frame<'a> {
 /// A number of samples out of range, and radiance that is not finite, with its pixel.
 pub fn picture(
     world: &World,
-    frame: &Frame,
+    shot: &Shot,
     radiance: impl Fn(&SurfacePoint, Vec3) -> [f32; 3] + Sync,
     progress: &dyn Progress,
 ) -> Result<(Image, Vec<f32>)> {
-    let (camera, samples) = (frame.camera, frame.samples);
+    let (camera, samples) = (shot.camera, shot.samples);
     if !(1..=MAX_SAMPLES).contains(&samples) {
         let expected = format!("from 1 to {MAX_SAMPLES} along an edge of a pixel");
         let (method, name) = ("picture".into(), "samples".into());
@@ -48,7 +48,7 @@ pub fn picture(
                 let ray = camera.ray(place(x, sample % samples), place(y, sample / samples));
                 let direction = ray.as_vec3();
                 let colour = match world.occluders().nearest(camera.eye(), direction) {
-                    None => (frame.background)(ray.to_array()),
+                    None => (shot.background)(ray.to_array()),
                     Some(hit) => {
                         met += 1;
                         let point = world.met(&hit);

@@ -18,7 +18,7 @@ pub struct BuiltIn {
     pub name: &'static str,
     /// One sentence on what it is.
     pub about: &'static str,
-    /// Where one stands to see it, and what one looks at; all of it is in view from there with a field of view of 40 degrees.
+    /// Where one stands to see it, and what one looks at.
     pub view: [Vec3; 2],
     build: fn() -> Result<World>,
 }
@@ -71,16 +71,11 @@ const ROUND: usize = 96;
 const RING: [usize; 2] = [160, 64];
 
 fn matte(colour: Vec3) -> Result<Material> {
-    Ok(Material {
-        brdf: "lambert".parse()?,
-        diffuse: Texture::Uniform(colour),
-        specular: Vec3::ZERO,
-        emission: Vec3::ZERO,
-    })
+    Ok(Material { diffuse: Texture::Uniform(colour), ..Material::grey("lambert".parse()?) })
 }
 
 fn glossy(colour: Vec3, brdf: &str) -> Result<Material> {
-    Ok(Material { brdf: brdf.parse()?, diffuse: Texture::Uniform(colour), specular: colour, emission: Vec3::ZERO })
+    Ok(Material { diffuse: Texture::Uniform(colour), specular: colour, ..Material::grey(brdf.parse()?) })
 }
 
 fn object(name: &str, charted: Charted, material: Material) -> Object {

@@ -20,7 +20,6 @@ use crate::responses::{Directions, ResponseBasis};
 use crate::scene::chart::{Charted, Place, Places};
 use crate::scene::path::{PathTracer, Tally};
 use crate::scene::world::{Object, SurfacePoint};
-use crate::texels::Texels;
 use directions::Grid;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -33,16 +32,6 @@ crate::choices! {
         Continued = "continued",
         /// Nothing.
         Dark = "dark",
-    }
-}
-
-crate::choices! {
-    /// What the directions of a field are.
-    pub enum Frame {
-        /// Where radiance goes, in the world: the paper's.
-        World = "world",
-        /// That direction mirrored about the point's normal (Wood et al. 2000): what a lobe reflects hardly moves from texel to texel.
-        Reflected = "reflected",
     }
 }
 
@@ -65,8 +54,8 @@ crate::params! {
         diffuse: usize = 256,
         /// Below the horizon: continued or dark.
         horizon: Horizon = Horizon::Continued,
-        /// Directions in the world, or reflected.
-        frame: Frame = Frame::World,
+        /// What directions are: world or reflected, about the point's normal.
+        frame: Directions = Directions::World,
     }
 }
 
@@ -114,15 +103,6 @@ impl FieldParams {
     /// Finer directions across a box.
     pub fn filter_width(&self) -> usize {
         self.filter.unwrap_or(self.supersampling)
-    }
-
-    /// What a row of the field stands for.
-    fn responses(&self, texels: Texels) -> ResponseBasis {
-        let directions = match self.frame {
-            Frame::World => Directions::World,
-            Frame::Reflected => Directions::Reflected,
-        };
-        ResponseBasis::Radiance { texels, directions }
     }
 
     /// Directions of the field.
@@ -173,7 +153,8 @@ pub fn light_field(
         })?;
     let unused = places.iter().filter(|place| place.is_none()).count();
     let matrix = TransferMatrix::from_dense(values, texels.count() * 3, 3, params.basis())?;
-    Ok(LightField { matrix: matrix.with_responses(params.responses(texels))?, tally, gutter, unused })
+    let responses = ResponseBasis::Radiance { texels, directions: params.frame };
+    Ok(LightField { matrix: matrix.with_responses(responses)?, tally, gutter, unused })
 }
 
 /// Where the texels of an object lie; all that can be wrong with a field before anything is traced.
@@ -200,7 +181,7 @@ impl Sampler<'_> {
         let point = self.tracer.world().point(self.object, place.face, place.u, place.v);
         let even = self.even(texel, &point, tally);
         let mut radiance = vec![Some(even); self.grid.directions.len()];
-        let towards = |direction: Vec3| self.params.frame.view(direction, &point);
+        let towards = |direction: Vec3| view(self.params.frame, direction, &point);
         let above = |direction: Vec3| {
             let view = towards(direction);
             view.dot(point.normal).min(view.dot(point.geometric)) > GRAZING
@@ -245,20 +226,18 @@ impl Sampler<'_> {
             // Paths of one cell are a low-discrepancy sequence together; those of others are another one.
             let (cell, index) = self.grid.cell_of(fine);
             let key = key(self.object, texel, 1 + cell as u64);
-            let view = self.params.frame.view(direction, point);
+            let view = view(self.params.frame, direction, point);
             above(direction).then(|| self.tracer.lobe(point, view, key, index as u32, tally))
         };
         self.grid.fine.iter().enumerate().map(trace).collect()
     }
 }
 
-impl Frame {
-    /// Where radiance goes that a column's direction names. The way back is the same: a mirror image's mirror image.
-    fn view(self, direction: Vec3, point: &SurfacePoint) -> Vec3 {
-        match self {
-            Frame::World => direction,
-            Frame::Reflected => mirrored(direction, point.normal),
-        }
+/// Where radiance goes that a column's direction names. The way back is the same: a mirror image's mirror image.
+fn view(directions: Directions, direction: Vec3, point: &SurfacePoint) -> Vec3 {
+    match directions {
+        Directions::World => direction,
+        Directions::Reflected => mirrored(direction, point.normal),
     }
 }
 

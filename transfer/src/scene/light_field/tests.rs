@@ -2,7 +2,7 @@ use super::*;
 use crate::progress::Quiet;
 use crate::scene::chart::shapes::{rectangle, sphere};
 use crate::scene::environment::Environment;
-use crate::scene::material::{Material, Texture};
+use crate::scene::material::Material;
 use crate::scene::path::PathParams;
 use crate::scene::world::World;
 use glam::DVec3;
@@ -17,16 +17,11 @@ const SMALL: FieldParams = FieldParams {
     filter: None,
     diffuse: 64,
     horizon: Horizon::Continued,
-    frame: Frame::World,
+    frame: Directions::World,
 };
 
 fn object(charted: crate::scene::chart::Charted, brdf: &str, emission: f32) -> Object {
-    let material = Material {
-        brdf: brdf.parse().unwrap(),
-        diffuse: Texture::Uniform(Vec3::ONE),
-        specular: Vec3::ONE,
-        emission: Vec3::splat(emission),
-    };
+    let material = Material { emission: Vec3::splat(emission), ..Material::grey(brdf.parse().unwrap()) };
     Object { name: brdf.into(), mesh: charted.mesh, uv: charted.uv, border: charted.border, material }
 }
 
@@ -106,8 +101,8 @@ fn directions_that_are_reflected_name_the_radiance_of_those_in_the_world() {
     let brdf = "phong:diffuse=0.2:specular=0.6:exponent=4";
     let world = World::new(vec![object(sphere(DVec3::ZERO, 1.0, 32), brdf, 0.0)], Some(sky)).unwrap();
     let params = FieldParams { around: 32, down: 16, supersampling: 3, horizon: Horizon::Dark, ..SMALL };
-    let [straight, reflected] =
-        [Frame::World, Frame::Reflected].map(|frame| traced(&world, &FieldParams { frame, ..params.clone() }));
+    let [straight, reflected] = [Directions::World, Directions::Reflected]
+        .map(|frame| traced(&world, &FieldParams { frame, ..params.clone() }));
     assert_eq!(reflected.matrix.responses().to_string(), "texels:4x4:octahedral:reflected");
     let (grid, places) = (Grid::new(&params), world.objects()[0].charted().unwrap().places(4, 4).unwrap());
     let (mut sum, mut square, mut count, n) = (0.0, 0.0, 0.0, grid.directions.len());
