@@ -95,6 +95,12 @@ pub(crate) fn count(least: usize, most: usize) -> impl Fn(&str) -> Result<usize,
     }
 }
 
+/// Two whole numbers, as `640x480`.
+pub(crate) fn pair(text: &str) -> Option<[usize; 2]> {
+    let (first, second) = text.split_once('x')?;
+    Some([first.parse().ok()?, second.parse().ok()?])
+}
+
 impl Precompute {
     /// What is asked for; options of other signals are refused.
     fn spec(&self) -> anyhow::Result<Spec> {

@@ -3,16 +3,16 @@
 use crate::scenes::{self, Up};
 use anyhow::{bail, ensure};
 use glam::{DVec3, Vec3};
+use prt_transfer::Result;
 use prt_transfer::chart::Charted;
 use prt_transfer::io::mesh::read_charted;
 use prt_transfer::scene::brdf::Brdf;
 use prt_transfer::scene::environment::Environment;
 use prt_transfer::scene::lights;
-use prt_transfer::scene::material::{Material, Texture};
+use prt_transfer::scene::material::Material;
 use prt_transfer::scene::world::{Object, World};
 use prt_transfer::scene::worlds;
 use prt_transfer::texels::Border;
-use prt_transfer::{Result, io};
 use std::path::Path;
 
 /// What lights a mesh and how it reflects; a built-in world has its own.
@@ -53,9 +53,10 @@ pub fn view(scene: &str) -> Option<[Vec3; 2]> {
     worlds::find(scene).ok().map(|world| world.view)
 }
 
-/// A built-in world, or a mesh under a distant light.
+/// A built-in world; or a mesh under a distant light, a built-in scene too where no texture coordinates are needed.
 pub fn load(scene: &str, look: Look, needs: Needs) -> anyhow::Result<World> {
-    if Path::new(scene).extension().is_some() {
+    let is_file = Path::new(scene).extension().is_some();
+    if is_file || (needs == Needs::Nothing && !is_built_in(scene)) {
         return mesh(scene, look, needs);
     }
     let world = worlds::find(scene)?;
@@ -69,16 +70,14 @@ fn mesh(scene: &str, Look { light, brdf, up }: Look, needs: Needs) -> anyhow::Re
     let (mesh, uv, border) = match needs {
         Needs::Charts => {
             let Charted { mesh, uv, border } = read_charted(scene)?;
-            (mesh, uv, border)
+            (scenes::upright(mesh, up), uv, border)
         }
-        Needs::Nothing => (io::mesh::read(scene)?, Vec::new(), Border::default()),
+        Needs::Nothing => (scenes::load(scene, None, up)?.0, Vec::new(), Border::default()),
     };
-    let mesh = scenes::upright(mesh, up);
     let brdf = brdf.cloned().map_or_else(|| "lambert:albedo=0.7".parse(), Ok)?;
-    let material = Material { brdf, diffuse: Texture::Uniform(Vec3::ONE), specular: Vec3::ONE, emission: Vec3::ZERO };
     let name = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     ensure!(!name.is_empty(), "{scene} has no name");
-    let object = Object { name, mesh, uv, border, material };
+    let object = Object { name, mesh, uv, border, material: Material::grey(brdf) };
     Ok(World::new(vec![object], Some(sky(light.unwrap_or(LIGHT))?))?)
 }
 

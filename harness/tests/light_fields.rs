@@ -124,6 +124,11 @@ fn what_cannot_be_sampled_or_drawn_is_refused_in_one_sentence() {
     assert!(render(&["--slf", "empty"]).contains("prt slf makes them"));
     assert!(render(&["T.prt"]).contains("--slf"));
     assert!(render(&["--reference", "--vertices", "5"]).contains("--vertices"));
+    let direct = ["render", "two-polygons", "--reference", "--size", "8x8", "-o", "p.png"];
+    assert!(refused(&[&direct[..], &["--seed", "1"]].concat(), folder).contains("--bounces"));
+    // Paths of a built-in scene need no chart; looking up needs a field.
+    done(&[&direct[..], &["--samples", "1", "--bounces", "2", "--seed", "1"]].concat(), folder);
+    assert!(refused(&[&direct[..], &["--interpolation", "paper"]].concat(), folder).contains("--slf"));
 }
 
 #[test]

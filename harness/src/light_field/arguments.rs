@@ -1,12 +1,13 @@
 //! The command line of `prt slf`.
 
-use crate::precompute::count;
+use crate::precompute::{count, pair};
 use crate::scenes::Up;
 use clap::Args;
 use prt_transfer::Label;
 use prt_transfer::params::Value;
+use prt_transfer::responses::Directions;
 use prt_transfer::scene::brdf::Brdf;
-use prt_transfer::scene::light_field::{FieldParams, Frame, Horizon};
+use prt_transfer::scene::light_field::{FieldParams, Horizon};
 use prt_transfer::scene::path::PathParams;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -53,7 +54,7 @@ pub struct LightField {
     /// Directions of a field: in the world, as in the paper, or reflected about the point's normal, in which lobes compress further
     /// [default: reflected; world with --paper]
     #[arg(long, value_name = "FRAME", value_parser = frame)]
-    pub frame: Option<Frame>,
+    pub frame: Option<Directions>,
     /// How paths are traced.
     #[command(flatten)]
     pub paths: Paths,
@@ -144,18 +145,16 @@ fn label(text: &str) -> Result<PerShape<String>, String> {
     Ok(PerShape { shape, value: label.to_string() })
 }
 
-/// Two numbers of at most 4096.
-pub(super) fn size(text: &str) -> Result<[usize; 2], String> {
-    let sides = text.split_once('x').and_then(|(a, b)| Some([a.parse().ok()?, b.parse().ok()?]));
-    sides.ok_or_else(|| "expected two numbers such as 128x128".into())
+fn size(text: &str) -> Result<[usize; 2], String> {
+    pair(text).ok_or_else(|| "expected two numbers such as 128x128".into())
 }
 
 fn horizon(text: &str) -> Result<Horizon, String> {
     Horizon::parse(text).ok_or_else(|| format!("expected {}", Horizon::expected()))
 }
 
-fn frame(text: &str) -> Result<Frame, String> {
-    Frame::parse(text).ok_or_else(|| format!("expected {}", Frame::expected()))
+fn frame(text: &str) -> Result<Directions, String> {
+    Directions::parse(text).ok_or_else(|| format!("expected {}", Directions::expected()))
 }
 
 fn positive(text: &str) -> Result<f64, String> {

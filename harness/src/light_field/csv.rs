@@ -1,5 +1,6 @@
 //! The raw figures of all shapes.
 
+use super::compression::Counts;
 use super::shape::Shape;
 use crate::machine::Machine;
 
@@ -38,16 +39,16 @@ pub fn of(shapes: &[Shape], machine: &Machine) -> anyhow::Result<Vec<u8>> {
         "date",
     ])?;
     for shape in shapes {
-        let [[x, y], [z, w]] = [shape.texels, shape.directions];
-        let of_counts =
-            |figure: fn(&super::shape::Counts) -> String| shape.counts.as_ref().map(figure).unwrap_or_default();
+        let made = &shape.compression;
+        let [[x, y], [z, w]] = [made.texels, made.directions];
+        let of_counts = |figure: fn(&Counts) -> String| made.counts.as_ref().map(figure).unwrap_or_default();
         writer.write_record([
             shape.shape.clone(),
             x.to_string(),
             y.to_string(),
             z.to_string(),
             w.to_string(),
-            shape.method.clone(),
+            made.method.clone(),
             of_counts(|c| c.clusters.to_string()),
             of_counts(|c| c.components.to_string()),
             of_counts(|c| c.surface_map.to_string()),
@@ -55,14 +56,14 @@ pub fn of(shapes: &[Shape], machine: &Machine) -> anyhow::Result<Vec<u8>> {
             of_counts(|c| c.mean_map.to_string()),
             of_counts(|c| c.cluster_ids.to_string()),
             of_counts(|c| c.ratio.to_string()),
-            shape.field_bytes.to_string(),
-            shape.resident_bytes.to_string(),
-            shape.file_bytes.to_string(),
-            shape.error.to_string(),
-            shape.error_sphere.to_string(),
+            made.field_bytes.to_string(),
+            made.resident_bytes.to_string(),
+            made.file_bytes.to_string(),
+            made.error.to_string(),
+            made.error_sphere.to_string(),
             shape.trace_s.to_string(),
-            shape.encode_s.to_string(),
-            shape.peak_encode_bytes.map(|b| b.to_string()).unwrap_or_default(),
+            made.encode_s.to_string(),
+            made.peak_encode_bytes.map(|b| b.to_string()).unwrap_or_default(),
             shape.paths.to_string(),
             shape.rays.to_string(),
             shape.clamped.to_string(),

@@ -1,6 +1,6 @@
 //! A folder of fields, and pictures of them.
 
-use super::shape::as_slf;
+use super::compression::as_slf;
 use crate::files;
 use crate::registry::registry;
 use anyhow::{Context, bail, ensure};
@@ -10,7 +10,7 @@ use prt_transfer::image::Image;
 use prt_transfer::responses::Directions;
 use prt_transfer::scene::light_field::mirrored;
 use prt_transfer::scene::path::{PathTracer, Tally};
-use prt_transfer::scene::picture::{Frame, picture};
+use prt_transfer::scene::picture::{Shot, picture};
 use prt_transfer::scene::world::{SurfacePoint, World};
 use prt_transfer::{Compressed, LightBasis, Progress, ResponseBasis, Result};
 use rayon::prelude::*;
@@ -93,12 +93,12 @@ impl Fields {
     }
 
     /// The picture, and for every pixel the share of its samples that meet a surface. Objects without a field are traced, a path a sample.
-    pub fn picture(&self, tracer: &PathTracer, frame: &Frame, progress: &dyn Progress) -> Result<(Image, Vec<f32>)> {
+    pub fn picture(&self, tracer: &PathTracer, shot: &Shot, progress: &dyn Progress) -> Result<(Image, Vec<f32>)> {
         let radiance = |point: &SurfacePoint, view: Vec3| match &self.of[point.object as usize] {
             Some(field) => field.radiance(point, view),
             None => traced(tracer, point, view),
         };
-        picture(tracer.world(), frame, radiance, progress)
+        picture(tracer.world(), shot, radiance, progress)
     }
 }
 

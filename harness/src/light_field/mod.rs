@@ -1,6 +1,7 @@
 //! `prt slf`: the surface light field of each shape of a world, traced and compressed.
 
 mod arguments;
+mod compression;
 mod csv;
 mod fields;
 mod shape;
@@ -14,12 +15,14 @@ use crate::{cache, machine::Machine, terminal};
 use anyhow::{bail, ensure};
 use arguments::of_shape;
 pub use arguments::{LightField, LookArguments, Paths};
+pub use compression::{Compression, Counts, as_slf, compressed};
 pub use csv::of as csv_of;
 pub use fields::Fields;
-use prt_transfer::scene::light_field::{FieldParams, Frame, places};
+use prt_transfer::responses::Directions;
+use prt_transfer::scene::light_field::{FieldParams, places};
 use prt_transfer::scene::path::PathTracer;
 use prt_transfer::scene::world::{Object, World};
-pub use shape::{Counts, Settings, Shape, as_slf, compressed, made};
+pub use shape::{Settings, Shape, made};
 
 impl LookArguments {
     /// As [`worlds::load`] takes it.
@@ -98,7 +101,7 @@ impl LightField {
             filter: self.filter,
             diffuse: self.diffuse_paths,
             horizon: self.horizon,
-            frame: self.frame.unwrap_or(if self.paper { Frame::World } else { Frame::Reflected }),
+            frame: self.frame.unwrap_or(if self.paper { Directions::World } else { Directions::Reflected }),
         };
         let method = match of_shape(&self.method, &object.name) {
             Some(method) => method.parse()?,

@@ -1,12 +1,10 @@
-//! One shape: its field traced, compressed, written, read back and compared.
+//! One shape: its field traced and compressed.
 
-use crate::error_sums::{self, relative};
-use crate::{files, memory};
-use prt_slf::EncodedSlf;
+use super::compression::{Compression, compressed};
 use prt_transfer::scene::light_field::{self, FieldParams};
 use prt_transfer::scene::path::PathTracer;
 use prt_transfer::scene::world::Object;
-use prt_transfer::{Compressed, Label, Metric, Progress, Registry, Restore, Result, Source, TransferMatrix};
+use prt_transfer::{Label, Progress, Registry, TransferMatrix};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -25,65 +23,23 @@ pub struct Settings {
 pub struct Shape {
     /// Its name.
     pub shape: String,
-    /// X and Y.
-    pub texels: [usize; 2],
-    /// Z and W.
-    pub directions: [usize; 2],
-    /// The method.
-    pub method: String,
-    /// η and k, and what Eq. 5 counts; of `slf` alone.
-    pub counts: Option<Counts>,
-    /// Of F: 4 X Y Z W bytes a channel.
-    pub field_bytes: u64,
-    /// What looking up holds in memory.
-    pub resident_bytes: u64,
-    /// The file.
-    pub file_bytes: u64,
-    /// Bytes in memory by section.
-    pub sections: Vec<(String, u64)>,
-    /// Σ (F − F̃)² / Σ F² of elements.
-    pub error: f64,
-    /// The same over the sphere: by solid angle.
-    pub error_sphere: f64,
+    /// What became of its field.
+    #[serde(flatten)]
+    pub compression: Compression,
     /// Wall clock of tracing, s.
     pub trace_s: f64,
-    /// Of compressing, s.
-    pub encode_s: f64,
-    /// The most memory held while compressing beside the field.
-    pub peak_encode_bytes: Option<u64>,
-    /// Paths and rays traced.
+    /// Paths traced.
     pub paths: u64,
-    /// See `paths`.
+    /// Rays of them.
     pub rays: u64,
-    /// Paths that were cut to the bound of `--clamp`, and paths that brought no finite radiance and count as none.
+    /// Paths that were cut to the bound of `--clamp`.
     pub clamped: u64,
-    /// See `clamped`.
+    /// Paths that brought no finite radiance and count as none.
     pub not_finite: u64,
-    /// Texels beside the chart that hold what is at its rim, and texels that nothing looks up.
+    /// Texels beside the chart that hold what is at its rim.
     pub gutter_texels: usize,
-    /// See `gutter_texels`.
+    /// Texels that nothing looks up.
     pub unused_texels: usize,
-    /// What the codec has to say.
-    pub note: Option<String>,
-}
-
-/// What Eq. 5 counts, in numbers.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Counts {
-    /// η.
-    pub clusters: usize,
-    /// k.
-    pub components: usize,
-    /// ζ m k
-    pub surface_map: u64,
-    /// η ζ n k
-    pub view_maps: u64,
-    /// ζ m
-    pub mean_map: u64,
-    /// m
-    pub cluster_ids: u64,
-    /// ζ m n over their sum.
-    pub ratio: f64,
 }
 
 /// Texels of a glossy shape for each of its clusters in Table 1.
@@ -117,9 +73,10 @@ pub fn made(
     let light_field::LightField { matrix, tally, gutter, unused } =
         light_field::light_field(tracer, object, &settings.field, progress)?;
     let trace_s = began.elapsed().as_secs_f64();
-    let compressed = compressed(&matrix, &settings.method, registry, &folder.join(format!("{name}.prt")), progress)?;
+    let compression = compressed(&matrix, &settings.method, registry, &folder.join(format!("{name}.prt")), progress)?;
     let shape = Shape {
         shape: name.clone(),
+        compression,
         trace_s,
         paths: tally.paths,
         rays: tally.rays,
@@ -127,88 +84,6 @@ pub fn made(
         not_finite: tally.not_finite,
         gutter_texels: gutter,
         unused_texels: unused,
-        ..compressed
     };
     Ok((shape, matrix))
-}
-
-/// Compresses a field into a file; the figures of what is read back. Nothing is known of its tracing.
-pub fn compressed(
-    matrix: &TransferMatrix,
-    method: &Label,
-    registry: &Registry,
-    path: &Path,
-    progress: &dyn Progress,
-) -> anyhow::Result<Shape> {
-    let method = registry.method(method)?;
-    let began = Instant::now();
-    let (encoded, peak_encode_bytes) = memory::peak_of(|| method.encode(matrix, progress));
-    let (encoded, encode_s) = (encoded?, began.elapsed().as_secs_f64());
-    let (note, file_bytes) = (encoded.note(), files::write_prt(path, &encoded)?.file);
-    drop(encoded);
-    let read = files::read_prt(path, registry)?;
-    let metric = Metric::of(matrix)?;
-    let (whole, sums) = (error_sums::of_matrix(matrix, &metric), error_sums::of_difference(matrix, &read, &metric));
-    let (texels, directions) = sizes(matrix);
-    Ok(Shape {
-        shape: String::new(),
-        texels,
-        directions,
-        method: method.label().to_string(),
-        counts: as_slf(&read)?.map(|slf| Counts::of(&slf)),
-        field_bytes: 4 * matrix.rows() as u64 * matrix.lights() as u64,
-        resident_bytes: read.resident_bytes() as u64,
-        file_bytes,
-        sections: read.held().sizes().map(|(name, bytes)| (name.into(), bytes as u64)).collect(),
-        error: relative(sums.squares, whole.squares),
-        error_sphere: relative(sums.weighted, whole.weighted),
-        trace_s: 0.0,
-        encode_s,
-        peak_encode_bytes,
-        paths: 0,
-        rays: 0,
-        clamped: 0,
-        not_finite: 0,
-        gutter_texels: 0,
-        unused_texels: 0,
-        note,
-    })
-}
-
-/// X x Y and Z x W of a field.
-fn sizes(matrix: &TransferMatrix) -> ([usize; 2], [usize; 2]) {
-    use prt_transfer::{LightBasis, ResponseBasis};
-    let texels = match matrix.responses() {
-        ResponseBasis::Radiance { texels, .. } => [texels.width, texels.height],
-        _ => [matrix.shape().samples, 1],
-    };
-    match *matrix.basis() {
-        LightBasis::LatLong { width, height } => (texels, [width, height]),
-        ref basis => (texels, [basis.lights(), 1]),
-    }
-}
-
-/// What `slf` made of a field, for looking it up; `None` where another method did.
-pub fn as_slf(compressed: &Compressed) -> Result<Option<EncodedSlf>> {
-    let header = compressed.header();
-    if header.tag != EncodedSlf::TAG || header.label.transform.name != "identity" {
-        return Ok(None);
-    }
-    let mut source = Source::new(compressed.sections().into_sections())?;
-    EncodedSlf::read(header.shape, &mut source).map(Some)
-}
-
-impl Counts {
-    fn of(slf: &EncodedSlf) -> Counts {
-        let counts = slf.counts();
-        Counts {
-            clusters: slf.clusters(),
-            components: slf.components(),
-            surface_map: counts.surface,
-            view_maps: counts.views,
-            mean_map: counts.mean,
-            cluster_ids: counts.ids,
-            ratio: slf.ratio(),
-        }
-    }
 }

@@ -9,23 +9,23 @@ pub(super) fn of(shapes: &[Shape]) -> String {
     let titles =
         ["shape", "X x Y", "Z x W", "η", "k", "field", "memory", "file", "F / memory", "error", "trace s", "encode s"];
     let lines = shapes.iter().map(|s| {
-        let [eta, k] = match &s.counts {
+        let [eta, k] = match &s.compression.counts {
             Some(c) => [c.clusters.to_string(), c.components.to_string()],
-            None => [s.method.clone(), "-".into()],
+            None => [s.compression.method.clone(), "-".into()],
         };
         vec![
             s.shape.clone(),
-            format!("{}x{}", s.texels[0], s.texels[1]),
-            format!("{}x{}", s.directions[0], s.directions[1]),
+            format!("{}x{}", s.compression.texels[0], s.compression.texels[1]),
+            format!("{}x{}", s.compression.directions[0], s.compression.directions[1]),
             eta,
             k,
-            bytes(s.field_bytes),
-            bytes(s.resident_bytes),
-            bytes(s.file_bytes),
-            short(s.field_bytes as f64 / s.resident_bytes as f64),
-            short(s.error_sphere),
+            bytes(s.compression.field_bytes),
+            bytes(s.compression.resident_bytes),
+            bytes(s.compression.file_bytes),
+            short(s.compression.field_bytes as f64 / s.compression.resident_bytes as f64),
+            short(s.compression.error_sphere),
             short(s.trace_s),
-            short(s.encode_s),
+            short(s.compression.encode_s),
         ]
     });
     let legend = "error: Σ(F-F̃)²/ΣF² over the sphere of what is read back; memory: what looking up holds, F / memory: the ratio to four bytes an element";
@@ -37,8 +37,10 @@ pub(super) fn of(shapes: &[Shape]) -> String {
 fn sections(shapes: &[Shape]) -> String {
     let titles = ["Eq. 5", "surface ζmk", "view ηζnk", "mean ζm", "ids m", "ratio"];
     let lines = shapes.iter().filter_map(|s| {
-        let counts = s.counts.as_ref()?;
-        let held = |part: &str| s.sections.iter().filter(|(name, _)| name.contains(part)).map(|(_, bytes)| bytes).sum();
+        let counts = s.compression.counts.as_ref()?;
+        let held = |part: &str| {
+            s.compression.sections.iter().filter(|(name, _)| name.contains(part)).map(|(_, bytes)| bytes).sum()
+        };
         let cell = |count: u64, part: &str| format!("{count} in {}", bytes(held(part)));
         Some(vec![
             s.shape.clone(),

@@ -1,6 +1,6 @@
 //! The command line of `prt render`.
 
-use crate::precompute::count;
+use crate::precompute::{count, pair};
 use crate::scenes::Up;
 use crate::worlds;
 use clap::Args;
@@ -35,12 +35,12 @@ pub struct Render {
     /// With --reference: paths of at most N reflections, also of a mesh; 1 is direct light [default: 32 in a world]
     #[arg(long, value_name = "N", requires = "reference", value_parser = count(0, 1000))]
     pub bounces: Option<usize>,
-    /// Of paths
-    #[arg(long, default_value_t = 0)]
-    pub seed: u64,
-    /// Between texels and directions of --slf: bilinear, or paper (inverse distances and e^(d·d'))
-    #[arg(long, value_name = "RULE", default_value = "bilinear", value_parser = interpolation)]
-    pub interpolation: Interpolation,
+    /// Of paths [default: 0]
+    #[arg(long, value_name = "SEED", conflicts_with = "matrix")]
+    pub seed: Option<u64>,
+    /// Between texels and directions of --slf: bilinear, or paper (inverse distances and e^(d·d')) [default: bilinear]
+    #[arg(long, value_name = "RULE", value_parser = interpolation)]
+    pub interpolation: Option<Interpolation>,
     /// Where to write the picture: .png (exposed, tone-mapped) or .exr (linear radiance)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
@@ -58,7 +58,7 @@ pub struct Render {
     #[arg(long, value_name = "BASIS")]
     pub basis: Option<LightBasis>,
     /// Visibility of --reference is sampled with 2^m x 2^m rays for each texel [default: 1]
-    #[arg(long, value_name = "m", requires = "reference", value_parser = clap::value_parser!(u32).range(0..=4))]
+    #[arg(long, value_name = "m", value_parser = clap::value_parser!(u32).range(0..=4))]
     pub supersampling: Option<u32>,
     /// The surface's reflectance, where no matrix holds it already: with --reference and biscale any, with diffuse lambert (see prt scenes)
     /// [default: lambert]
@@ -164,8 +164,7 @@ fn vector(text: &str) -> Result<Vec3, String> {
 }
 
 fn size(text: &str) -> Result<[usize; 2], String> {
-    let sides = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
-    sides.ok_or_else(|| "expected WIDTHxHEIGHT in pixels, such as 640x480".into())
+    pair(text).ok_or_else(|| "expected WIDTHxHEIGHT in pixels, such as 640x480".into())
 }
 
 fn background(text: &str) -> Result<Background, String> {

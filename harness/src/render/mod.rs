@@ -98,6 +98,9 @@ pub fn run(arguments: &Render) -> anyhow::Result<()> {
 fn drawn(arguments: &Render, bar: &Bar) -> anyhow::Result<Drawn> {
     let (mesh, _) = scenes::load(&arguments.scene, arguments.vertices, arguments.up)?;
     let (occluders, frames) = (Occluders::new(&mesh)?, vertex_frames(&mesh)?);
+    if arguments.seed.is_some() {
+        bail!("--seed belongs to paths: direct light of a mesh is sampled on a grid (--bounces traces paths)");
+    }
     let samples = arguments.samples.unwrap_or(if arguments.reference { 2 } else { 4 });
     let camera = arguments.camera(&mesh)?;
     let began = Instant::now();
@@ -146,6 +149,13 @@ fn beside(
 /// Refuses options that would say nothing.
 fn check(arguments: &Render) -> anyhow::Result<()> {
     let Render { output, compare, error_map, beside, exposure, tone, background, .. } = arguments;
+    // Not by `requires`: clap waives it where what is required conflicts with what is there.
+    if arguments.interpolation.is_some() && arguments.slf.is_none() {
+        bail!("--interpolation belongs to --slf DIR");
+    }
+    if arguments.supersampling.is_some() && !arguments.reference {
+        bail!("--supersampling belongs to --reference");
+    }
     let plain = linear(output)? && compare.is_none();
     if plain && tone.is_some() {
         bail!("--tone belongs to a .png: {} holds linear radiance", output.display());

@@ -7,7 +7,7 @@ use crate::worlds::{self, Look, Needs};
 use anyhow::{bail, ensure};
 use prt_transfer::basis::Direction;
 use prt_transfer::scene::path::{self, PathParams, PathTracer};
-use prt_transfer::scene::picture::Frame;
+use prt_transfer::scene::picture::Shot;
 use std::time::Instant;
 
 /// Most samples along an edge of a pixel of a path-traced picture.
@@ -29,7 +29,7 @@ pub(super) fn drawn(arguments: &Render, bar: &Bar) -> anyhow::Result<Drawn> {
         (Background::Light, Some(sky)) => sky.radiance(direction),
         _ => [0.0; 3],
     };
-    let usual = PathParams { seed: arguments.seed, ..PathParams::default() };
+    let usual = PathParams { seed: arguments.seed.unwrap_or_default(), ..PathParams::default() };
     let tracer = PathTracer::new(&world, PathParams { bounces: arguments.bounces.unwrap_or(usual.bounces), ..usual })?;
     let Some(folder) = &arguments.slf else {
         let n = arguments.samples.unwrap_or(4);
@@ -41,10 +41,10 @@ pub(super) fn drawn(arguments: &Render, bar: &Bar) -> anyhow::Result<Drawn> {
         let note = (lost > 0).then(|| format!("{lost} paths brought no finite radiance and count as none"));
         return Ok(Drawn { image, coverage, picture_s: began.elapsed().as_secs_f64(), note });
     };
-    let fields = Fields::read(folder, &world, arguments.interpolation)?;
-    let frame = Frame { camera: &camera, samples: arguments.samples.unwrap_or(3), background: &background };
+    let fields = Fields::read(folder, &world, arguments.interpolation.unwrap_or_default())?;
+    let shot = Shot { camera: &camera, samples: arguments.samples.unwrap_or(3), background: &background };
     let began = Instant::now();
-    let (image, coverage) = fields.picture(&tracer, &frame, bar)?;
+    let (image, coverage) = fields.picture(&tracer, &shot, bar)?;
     let without = fields.without(&world);
     let note = (!without.is_empty()).then(|| format!("without a field, and traced: {}", without.join(", ")));
     Ok(Drawn { image, coverage, picture_s: began.elapsed().as_secs_f64(), note })

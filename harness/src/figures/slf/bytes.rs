@@ -2,14 +2,16 @@
 
 use super::{WORLD, field, world};
 use crate::charts::curves::{Curves, Dot, Plane};
+use crate::error_sums::relative;
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
-use crate::light_field::{Shape, compressed};
+use crate::light_field::{Compression, compressed};
 use crate::machine::Machine;
 use crate::number;
 use crate::table::aligned;
-use prt_transfer::Quiet;
-use prt_transfer::scene::light_field::{FieldParams, Frame, Horizon};
+use prt_transfer::responses::Directions;
+use prt_transfer::scene::light_field::{FieldParams, Horizon};
+use prt_transfer::{Metric, Quiet, TransferMatrix};
 
 pub(super) const FIGURE: Figure = Figure { name: "bytes", draw };
 
@@ -44,7 +46,7 @@ struct Outcome {
     subject: usize,
     family: usize,
     clusters: usize,
-    shape: Result<Shape, String>,
+    made: Result<Compression, String>,
 }
 
 fn subjects(stage: &Stage) -> [Subject; 4] {
@@ -59,45 +61,61 @@ fn subjects(stage: &Stage) -> [Subject; 4] {
         Subject {
             shape: "blue-sphere",
             title: "the same, reflected",
-            params: FieldParams { frame: Frame::Reflected, ..base },
+            params: FieldParams { frame: Directions::Reflected, ..base },
         },
     ]
 }
 
 fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let (world, subjects, folder) = (world()?, subjects(stage), tempfile::tempdir()?);
-    let mut outcomes = Vec::new();
-    stage.steps.more(subjects.len() * (1 + FAMILIES.len() * CLUSTERS.len()));
+    let (mut outcomes, mut noises) = (Vec::new(), Vec::new());
+    stage.steps.more(subjects.len() * (2 + FAMILIES.len() * CLUSTERS.len()));
     for (subject, of) in subjects.iter().enumerate() {
         let matrix = field(stage, &world, of.shape, &of.params, 0)?;
+        noises.push(noise(&matrix, &field(stage, &world, of.shape, &of.params, 1)?)?);
         for (family, Family { components, rest, .. }) in FAMILIES.iter().enumerate() {
             for clusters in CLUSTERS {
                 let label = format!("slf:clusters={clusters}:components={components}{rest}");
                 stage.steps.show(&format!("{} {label}", of.shape));
                 let path = folder.path().join("field.prt");
                 let registry = stage.bench.registry;
-                let made = || compressed(&matrix, &label.parse()?, registry, &path, &Quiet);
-                let shape = stage.bench.pools.everywhere(made).map_err(|e| format!("{e:#}"));
-                outcomes.push(Outcome { subject, family, clusters, shape });
+                let encode = || compressed(&matrix, &label.parse()?, registry, &path, &Quiet);
+                let made = stage.bench.pools.everywhere(encode).map_err(|e| format!("{e:#}"));
+                outcomes.push(Outcome { subject, family, clusters, made });
                 stage.steps.done(1);
             }
         }
     }
     Ok(Drawing {
-        text: table(&subjects, &outcomes),
-        tables: vec![("", csv(&subjects, &outcomes, &stage.machine)?)],
+        text: table(&subjects, &outcomes, &noises),
+        tables: vec![("", csv(&subjects, &outcomes, &noises, &stage.machine)?)],
         chart: Some(chart(&subjects, &outcomes)),
         pictures: Vec::new(),
-        measured: outcomes.iter().any(|o| o.shape.is_ok()),
+        measured: outcomes.iter().any(|o| o.made.is_ok()),
     })
+}
+
+/// The variance of tracing, half the squared difference of two seeds, as a part of the square; over the sphere.
+fn noise(a: &TransferMatrix, b: &TransferMatrix) -> anyhow::Result<f64> {
+    let (metric, lights) = (Metric::of(a)?, a.lights());
+    let (mut differences, mut whole) = (0.0, 0.0);
+    let [mut one, mut other] = [vec![0f32; lights], vec![0f32; lights]];
+    for row in 0..a.rows() {
+        a.gather(row, &mut one);
+        b.gather(row, &mut other);
+        let mut difference: Vec<f64> = one.iter().zip(&other).map(|(a, b)| f64::from(*a) - f64::from(*b)).collect();
+        differences += metric.square_of(&mut difference, lights);
+        whole += metric.square_of(&mut one.iter().map(|a| f64::from(*a)).collect::<Vec<_>>(), lights);
+    }
+    Ok(relative(0.5 * differences, whole))
 }
 
 fn chart(subjects: &[Subject], outcomes: &[Outcome]) -> Curves {
     let dot = |o: &Outcome| {
-        let shape = o.shape.as_ref().ok();
+        let made = o.made.as_ref().ok();
         Dot {
-            x: shape.map_or(f64::NAN, |s| s.file_bytes as f64),
-            y: shape.map_or(f64::NAN, |s| s.error_sphere),
+            x: made.map_or(f64::NAN, |s| s.file_bytes as f64),
+            y: made.map_or(f64::NAN, |s| s.error_sphere),
             label: String::new(),
         }
     };
@@ -123,12 +141,12 @@ fn chart(subjects: &[Subject], outcomes: &[Outcome]) -> Curves {
     }
 }
 
-fn table(subjects: &[Subject], outcomes: &[Outcome]) -> String {
+fn table(subjects: &[Subject], outcomes: &[Outcome], noises: &[f64]) -> String {
     let titles = ["shape", "curve", "η", "Eq. 5", "memory", "file", "error", "encode s"];
     let shown = |o: &&Outcome| [1, 16, 256].contains(&o.clusters);
     let lines = outcomes.iter().filter(shown).map(|o| {
         let head = [subjects[o.subject].title.to_string(), FAMILIES[o.family].name.into(), o.clusters.to_string()];
-        let figures = match &o.shape {
+        let figures = match &o.made {
             Err(_) => ["failed", "-", "-", "-", "-"].map(String::from),
             Ok(s) => [
                 s.counts.as_ref().map_or("-".into(), |c| number::short(c.ratio)),
@@ -141,14 +159,18 @@ fn table(subjects: &[Subject], outcomes: &[Outcome]) -> String {
         head.into_iter().chain(figures).collect()
     });
     let failed = outcomes.iter().filter_map(|o| {
-        let reason = o.shape.as_ref().err()?;
+        let reason = o.made.as_ref().err()?;
         Some(format!("{}, {}, η = {}: {reason}", subjects[o.subject].title, FAMILIES[o.family].name, o.clusters))
     });
     let table = format!("\nError against bytes\n{}", aligned(&titles, lines));
-    std::iter::once(table).chain(failed).collect::<Vec<_>>().join("\n")
+    let noises = subjects
+        .iter()
+        .zip(noises)
+        .map(|(of, noise)| format!("{}: tracing has a variance of {} of the square", of.title, number::short(*noise)));
+    std::iter::once(table).chain(noises).chain(failed).collect::<Vec<_>>().join("\n")
 }
 
-fn csv(subjects: &[Subject], outcomes: &[Outcome], machine: &Machine) -> anyhow::Result<Vec<u8>> {
+fn csv(subjects: &[Subject], outcomes: &[Outcome], noises: &[f64], machine: &Machine) -> anyhow::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record([
         "shape",
@@ -161,13 +183,14 @@ fn csv(subjects: &[Subject], outcomes: &[Outcome], machine: &Machine) -> anyhow:
         "error",
         "encode_s",
         "reason",
+        "tracing_noise",
         "machine",
     ])?;
     for o in outcomes {
         let Family { components, rest, .. } = &FAMILIES[o.family];
         let method = format!("slf:clusters={}:components={components}{rest}", o.clusters);
         let head = [subjects[o.subject].title.to_string(), method, o.clusters.to_string()];
-        let figures = match &o.shape {
+        let figures = match &o.made {
             Ok(s) => [
                 s.counts.as_ref().map(|c| c.ratio.to_string()).unwrap_or_default(),
                 s.resident_bytes.to_string(),
@@ -179,7 +202,7 @@ fn csv(subjects: &[Subject], outcomes: &[Outcome], machine: &Machine) -> anyhow:
             ],
             Err(reason) => std::array::from_fn(|i| if i == 6 { reason.clone() } else { String::new() }),
         };
-        writer.write_record(head.into_iter().chain(figures).chain([machine.line()]))?;
+        writer.write_record(head.into_iter().chain(figures).chain([noises[o.subject].to_string(), machine.line()]))?;
     }
     Ok(writer.into_inner()?)
 }

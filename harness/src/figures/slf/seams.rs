@@ -110,10 +110,8 @@ fn second_differences(matrix: &TransferMatrix, slf: &EncodedSlf, width: usize) -
         let mut sums = [Sums::default(); 2];
         for channel in 0..shape.responses {
             // Rows of the three texels, exact and decoded.
-            let mut window =
-                [[vec![0f32; shape.lights], vec![0f32; shape.lights]], Default::default(), Default::default()];
-            window[1] = window[0].clone();
-            window[2] = window[0].clone();
+            let mut window: [[Vec<f32>; 2]; 3] =
+                std::array::from_fn(|_| std::array::from_fn(|_| vec![0.0; shape.lights]));
             for x in 0..width {
                 window.rotate_left(1);
                 let row = (y * width + x) * shape.responses + channel;

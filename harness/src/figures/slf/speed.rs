@@ -12,10 +12,10 @@ use crate::table::aligned;
 use prt_slf::Interpolation;
 use prt_transfer::Quiet;
 use prt_transfer::image::Image;
+use prt_transfer::responses::Directions;
 use prt_transfer::scene::camera::Camera;
-use prt_transfer::scene::light_field::Frame as LightFrame;
 use prt_transfer::scene::path::{self, PathParams, PathTracer};
-use prt_transfer::scene::picture::Frame;
+use prt_transfer::scene::picture::Shot;
 use prt_transfer::scene::world::World;
 use std::path::Path;
 use std::time::Instant;
@@ -78,7 +78,7 @@ fn trace(stage: &Stage, world: &World, seed: u64, texels: usize, folder: &Path) 
     for (object, of) in world.objects().iter().enumerate() {
         stage.steps.show(&format!("{}, seed {seed}", of.name));
         let mut settings = Settings::papers(of, [texels; 2]);
-        settings.field.frame = LightFrame::Reflected;
+        settings.field.frame = Directions::Reflected;
         stage.bench.pools.everywhere(|| made(&tracer, object, &settings, stage.bench.registry, folder, &Quiet))?;
         stage.steps.done(1);
     }
@@ -104,9 +104,9 @@ fn fields_at(stage: &Stage, world: &World, camera: &Camera, n: usize, folders: [
     let (mut images, mut coverage, mut seconds) = (Vec::new(), Vec::new(), 0.0);
     for folder in folders {
         let fields = Fields::read(folder, world, Interpolation::Bilinear)?;
-        let frame = Frame { camera, samples: n, background: &|_| [0.0; 3] };
+        let shot = Shot { camera, samples: n, background: &|_| [0.0; 3] };
         let began = Instant::now();
-        let (image, covered) = stage.bench.pools.everywhere(|| fields.picture(&tracer, &frame, &Quiet))?;
+        let (image, covered) = stage.bench.pools.everywhere(|| fields.picture(&tracer, &shot, &Quiet))?;
         seconds += 0.5 * began.elapsed().as_secs_f64();
         coverage = covered;
         images.push(image);

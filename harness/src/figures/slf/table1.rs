@@ -9,8 +9,8 @@ use prt_slf::Interpolation;
 use prt_transfer::Quiet;
 use prt_transfer::image::{Picture, Tone};
 use prt_transfer::params::Value;
+use prt_transfer::responses::Directions;
 use prt_transfer::scene::camera::{Camera, Film};
-use prt_transfer::scene::light_field::Frame;
 use prt_transfer::scene::path::{self, PathParams, PathTracer};
 use prt_transfer::scene::{picture, worlds};
 use std::path::Path;
@@ -88,7 +88,7 @@ pub(super) struct Pictures {
 
 /// A picture from fields against that of paths.
 pub(super) struct OfFields {
-    pub(super) frame: Frame,
+    pub(super) frame: Directions,
     pub(super) seconds: f64,
     /// Relative squared error.
     pub(super) error: f64,
@@ -107,7 +107,7 @@ const PAPERS: Size = Size { texels: 256, side: 1024, samples: [3, 16] };
 const SMALL: Size = Size { texels: 48, side: 256, samples: [3, 4] };
 
 /// The paper's directions, and those in which glossy shapes compress further.
-const FRAMES: [Frame; 2] = [Frame::World, Frame::Reflected];
+const FRAMES: [Directions; 2] = [Directions::World, Directions::Reflected];
 
 fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let size = if stage.is_paper_sized() { PAPERS } else { SMALL };
@@ -117,7 +117,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let mut shapes = Vec::new();
     for (frame, folder) in FRAMES.into_iter().zip(&folders) {
         for (object, of) in world.objects().iter().enumerate() {
-            if frame == Frame::World || of.material.has_lobe() {
+            if frame == Directions::World || of.material.has_lobe() {
                 shapes.push((frame, shape(stage, &tracer, object, (frame, &size), folder.path())?));
             } else {
                 // A matte shape has the same field in both.
@@ -141,7 +141,7 @@ fn shape(
     stage: &Stage,
     tracer: &PathTracer,
     object: usize,
-    (frame, size): (Frame, &Size),
+    (frame, size): (Directions, &Size),
     folder: &Path,
 ) -> anyhow::Result<Shape> {
     let of = &tracer.world().objects()[object];
@@ -172,7 +172,7 @@ fn pictures(
     for (frame, folder) in FRAMES.into_iter().zip(folders) {
         stage.steps.show("picture from the fields");
         let fields = Fields::read(folder, tracer.world(), Interpolation::Bilinear)?;
-        let look = picture::Frame { camera: &camera, samples: size.samples[0], background: &|_| [0.0; 3] };
+        let look = picture::Shot { camera: &camera, samples: size.samples[0], background: &|_| [0.0; 3] };
         let began = Instant::now();
         let (image, _) = pools.everywhere(|| fields.picture(tracer, &look, &Quiet))?;
         let seconds = began.elapsed().as_secs_f64();

@@ -6,15 +6,15 @@ use crate::machine::Machine;
 use crate::number::short;
 use crate::table::aligned;
 use prt_transfer::params::Value;
-use prt_transfer::scene::light_field::Frame;
+use prt_transfer::responses::Directions;
 
 const TITLE: &str = "Table 1: surface light fields of a Cornell box (Miandji et al. 2011)";
 
 /// The paper's lines, each with ours below it.
-pub(super) fn text(shapes: &[(Frame, Shape)], pictures: &Pictures) -> String {
+pub(super) fn text(shapes: &[(Directions, Shape)], pictures: &Pictures) -> String {
     let titles = ["shape", "X", "Y", "Z", "W", "k", "η", "Eq. 5", "F / file", "error", "trace min", "encode s"];
     let lines = LINES.iter().flat_map(|line| {
-        let named = |(_, shape): &&(Frame, Shape)| line.ours.contains(&shape.shape.as_str());
+        let named = |(_, shape): &&(Directions, Shape)| line.ours.contains(&shape.shape.as_str());
         std::iter::once(of_paper(line)).chain(shapes.iter().filter(named).map(ours))
     });
     let table = aligned(&titles, lines);
@@ -31,12 +31,12 @@ fn of_paper(line: &Line) -> Vec<String> {
     std::iter::once(format!("{shape}, the paper's")).chain(sizes).chain(figures).collect()
 }
 
-fn ours((frame, shape): &(Frame, Shape)) -> Vec<String> {
-    let counts = shape.counts.as_ref();
+fn ours((frame, shape): &(Directions, Shape)) -> Vec<String> {
+    let counts = shape.compression.counts.as_ref();
     let of_counts = |figure: &dyn Fn(&crate::light_field::Counts) -> String| counts.map_or("-".into(), figure);
-    let [[x, y], [z, w]] = [shape.texels, shape.directions];
+    let [[x, y], [z, w]] = [shape.compression.texels, shape.compression.directions];
     vec![
-        format!("  {}{}", shape.shape, if *frame == Frame::Reflected { ", reflected" } else { "" }),
+        format!("  {}{}", shape.shape, if *frame == Directions::Reflected { ", reflected" } else { "" }),
         x.to_string(),
         y.to_string(),
         z.to_string(),
@@ -44,10 +44,10 @@ fn ours((frame, shape): &(Frame, Shape)) -> Vec<String> {
         of_counts(&|c| c.components.to_string()),
         of_counts(&|c| c.clusters.to_string()),
         of_counts(&|c| short(c.ratio)),
-        short(shape.field_bytes as f64 / shape.file_bytes as f64),
-        short(shape.error_sphere),
+        short(shape.compression.field_bytes as f64 / shape.compression.file_bytes as f64),
+        short(shape.compression.error_sphere),
         short(shape.trace_s / 60.0),
-        short(shape.encode_s),
+        short(shape.compression.encode_s),
     ]
 }
 
@@ -73,8 +73,8 @@ fn of_pictures(pictures: &Pictures) -> String {
 }
 
 /// A line for each shape.
-pub(super) fn csv(shapes: &[(Frame, Shape)], machine: &Machine) -> anyhow::Result<Vec<u8>> {
-    let named = |(frame, shape): &(Frame, Shape)| Shape {
+pub(super) fn csv(shapes: &[(Directions, Shape)], machine: &Machine) -> anyhow::Result<Vec<u8>> {
+    let named = |(frame, shape): &(Directions, Shape)| Shape {
         shape: format!("{}, directions {}", shape.shape, frame.show()),
         ..shape.clone()
     };
