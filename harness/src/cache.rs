@@ -1,15 +1,19 @@
 //! Precomputed matrices of a bench, kept beside its results so that resuming need not compute them again.
 
-use crate::compute;
+use crate::compute::Computation;
 use crate::files::{self, Description};
 use crate::fingerprint;
 use crate::row::Row;
 use crate::signal::Signal;
 use crate::suite::Origin;
-use anyhow::Context;
+use crate::worlds::{self, Look, Needs};
+use anyhow::{Context, bail};
+use prt_transfer::scene::light_field::light_field;
+use prt_transfer::scene::path::{PathParams, PathTracer};
 use prt_transfer::{Progress, TransferMatrix};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// A matrix of the bench: what it is, and where it lies until it is needed.
 pub struct Prepared {
@@ -46,30 +50,56 @@ pub fn prepare(folder: &Path, origin: &Origin, progress: &dyn Progress) -> anyho
             let matrix = files::read_matrix(path, &Description::default())?;
             Ok(Prepared { about: About::of(&matrix, 0, 0.0), path: path.clone(), matrix: Some(matrix) })
         }
-        Origin::Scene { scene, vertices, spec } => {
+        Origin::Scene { scene, vertices, up, spec } => {
             // A dense matrix keeps its form only in .npy, which does not carry the basis.
             let extension = if spec.signal == Signal::Biscale { "npz" } else { "npy" };
-            let path = folder.join(format!("{}.{extension}", file_name(origin)));
             // A mesh may change under its name; a built-in scene changes with the program.
-            let kept = vertices.and_then(|_| About::read(&path));
-            if let Some(about) = kept.filter(|_| path.exists()) {
-                return Ok(Prepared { about, path, matrix: None });
-            }
-            let made = compute::precompute(scene, *vertices, spec, progress)?;
-            let about = About::of(&made.matrix, made.traced.rays, made.seconds);
-            let matrix = made.matrix;
-            files::write_matrix(&path, &matrix)?;
-            // Last, since it vouches for the matrix.
-            files::write_beside(&description_of(&path), &serde_json::to_vec_pretty(&about)?)?;
-            Ok(Prepared { about, path, matrix: Some(matrix) })
+            kept(folder, origin, extension, vertices.is_some(), || {
+                let made = Computation::new(scene, *vertices, *up, spec)?.matrix(progress)?;
+                Ok((made.matrix, made.traced.rays, made.seconds))
+            })
         }
+        Origin::Field { world, shape, params } => kept(folder, origin, "npy", true, || {
+            let began = Instant::now();
+            let world = worlds::load(world, Look::default(), Needs::Charts)?;
+            let Some(object) = world.objects().iter().position(|o| o.name == *shape) else {
+                let names: Vec<&str> = world.objects().iter().map(|o| o.name.as_str()).collect();
+                bail!("there is no shape {shape}: there are {}", names.join(", "));
+            };
+            let field = light_field(&PathTracer::new(&world, PathParams::default())?, object, params, progress)?;
+            Ok((field.matrix, field.tally.rays, began.elapsed().as_secs_f64()))
+        }),
     }
+}
+
+/// The matrix of `origin` in `folder`; computed, with the rays and seconds that took, and kept there where it is not.
+fn kept(
+    folder: &Path,
+    origin: &Origin,
+    extension: &str,
+    trusted: bool,
+    compute: impl FnOnce() -> anyhow::Result<(TransferMatrix, u64, f64)>,
+) -> anyhow::Result<Prepared> {
+    let path = folder.join(format!("{}.{extension}", file_name(origin)));
+    let known = if trusted { About::read(&path) } else { None };
+    if let Some(about) = known.filter(|_| path.exists()) {
+        return Ok(Prepared { about, path, matrix: None });
+    }
+    let (matrix, rays, seconds) = compute()?;
+    let about = About::of(&matrix, rays, seconds);
+    files::write_matrix(&path, &matrix)?;
+    // Last, since it vouches for the matrix.
+    files::write_beside(&description_of(&path), &serde_json::to_vec_pretty(&about)?)?;
+    Ok(Prepared { about, path, matrix: Some(matrix) })
 }
 
 /// Scene and signal of an origin, as its rows and its charts name them.
 pub fn subject(origin: &Origin) -> Row {
     let (scene, signal, basis) = match origin {
         Origin::Scene { scene, spec, .. } => (scene.clone(), spec.signal.to_string(), spec.basis.to_string()),
+        Origin::Field { world, shape, params } => {
+            (format!("{world}/{shape}"), "slf".into(), params.basis().to_string())
+        }
         Origin::Matrix(path) => (path.display().to_string(), "file".into(), String::new()),
     };
     Row { scene, signal, basis, threads: 0, ..Row::default() }
@@ -78,9 +108,13 @@ pub fn subject(origin: &Origin) -> Row {
 /// A name for the files of an origin: letters, digits, dashes, dots and underscores.
 pub fn file_name(origin: &Origin) -> String {
     let name = match origin {
-        Origin::Scene { scene, vertices, spec } => {
+        Origin::Scene { scene, vertices, spec, .. } => {
             let vertices = vertices.map_or(String::new(), |n| format!("-{n}"));
             format!("{scene}{vertices}-{}", spec.file_name())
+        }
+        Origin::Field { world, shape, params } => {
+            let [texels, directions] = [(params.width, params.height), (params.around, params.down)];
+            format!("{world}-{shape}-{}x{}-{}x{}", texels.0, texels.1, directions.0, directions.1)
         }
         Origin::Matrix(path) => path.display().to_string(),
     };
@@ -162,6 +196,11 @@ fn description_of(path: &Path) -> PathBuf {
     path.with_extension("json")
 }
 
+/// The compressed file of a method on the matrix of this [`file_name`], inside a bench's folder.
+pub fn encoded(out: &Path, file_name: &str, method: &str) -> PathBuf {
+    out.join("encoded").join(format!("{file_name}-{}.prt", safe(method)))
+}
+
 /// The folder of matrices inside a bench's folder.
 pub fn folder(out: &Path) -> anyhow::Result<PathBuf> {
     make(out.join("matrices"))
@@ -176,7 +215,7 @@ pub fn make(path: PathBuf) -> anyhow::Result<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes;
+    use crate::scenes::{self, Up};
     use crate::signal::Spec;
     use prt_transfer::{LightBasis, Quiet};
 
@@ -186,7 +225,7 @@ mod tests {
         for signal in [Signal::Diffuse, Signal::Biscale] {
             let spec = Spec::new(signal, LightBasis::Cubemap { resolution: 4 });
             let scene = scenes::scenes()[0].name.to_string();
-            let origin = Origin::Scene { scene, vertices: Some(60), spec };
+            let origin = Origin::Scene { scene, vertices: Some(60), up: Up::Z, spec };
             let first = prepare(folder.path(), &origin, &Quiet).unwrap();
             let second = prepare(folder.path(), &origin, &Quiet).unwrap();
             assert!(first.matrix.is_some() && second.matrix.is_none());

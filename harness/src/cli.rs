@@ -1,7 +1,7 @@
 //! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
 
 use crate::{bench, coherence, decode, encode, figures, fit_light, info, interchange, light_field, list, precompute};
-use crate::{relight, render, stability, tables, terminal};
+use crate::{relight, render, select, stability, tables, terminal};
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -26,6 +26,8 @@ enum Command {
     Bench(bench::Bench),
     /// Computes the transfer matrix of a scene
     Precompute(precompute::Precompute),
+    /// Finds the smallest model that keeps an error, or the best within so many bytes or ms
+    Select(Box<select::Select>),
     /// Compresses a transfer matrix
     Encode(encode::Encode),
     /// Reconstructs a transfer matrix
@@ -77,6 +79,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     match &cli.command {
         Command::Bench(arguments) => bench::run(arguments, threads),
         Command::Precompute(arguments) => precompute::run(arguments),
+        Command::Select(arguments) => select::run(arguments, threads),
         Command::Encode(arguments) => encode::run(arguments),
         Command::Decode(arguments) => decode::run(arguments),
         Command::Export(arguments) => interchange::export(arguments),

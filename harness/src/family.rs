@@ -10,6 +10,11 @@ pub fn family(label: &Label) -> String {
     }
 }
 
+/// The family of a method's label; a text that is no label is a family of its own.
+pub fn of(method: &str) -> String {
+    method.parse().map_or_else(|_| method.into(), |label| family(&label))
+}
+
 /// What tells a method from the others of its family: the values of its parameters; the whole label where it has none.
 pub fn distinction(label: &Label) -> String {
     let stages = [&label.transform, &label.codec];
@@ -17,9 +22,25 @@ pub fn distinction(label: &Label) -> String {
     if values.is_empty() { label.to_string() } else { values.join(" ") }
 }
 
+/// Each family once, in the order of its first member: that order decides the markers.
+pub fn in_order<'a>(families: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut order: Vec<String> = Vec::new();
+    for family in families {
+        if !order.iter().any(|known| known == family) {
+            order.push(family.into());
+        }
+    }
+    order
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_family_keeps_the_place_of_its_first_member() {
+        assert_eq!(in_order(["b", "a", "b", "c", "a"].into_iter()), ["b", "a", "c"]);
+    }
 
     #[test]
     fn a_label_is_its_family_and_its_distinction() {

@@ -44,6 +44,16 @@ pub fn read_prt(path: &Path, registry: &Registry) -> Result<Compressed> {
     prt::read(path, registry)
 }
 
+/// The file of a compressed matrix, in memory.
+pub fn prt_bytes(compressed: &Compressed) -> Result<Vec<u8>> {
+    prt::to_bytes(compressed)
+}
+
+/// As [`read_prt`], from memory.
+pub fn prt_from_bytes(bytes: &[u8], registry: &Registry) -> Result<Compressed> {
+    prt::from_bytes(bytes, registry)
+}
+
 /// Reads a light of one or several channels: lights x channels.
 pub fn read_lights(path: &Path) -> Result<Array2<f32>> {
     npy::read_lights(path)

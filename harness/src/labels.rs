@@ -3,6 +3,9 @@
 use crate::registry;
 use prt_transfer::{Registry, Result};
 
+/// What others are compared with.
+pub const BASELINE: &str = "compact";
+
 /// The labels in their shortest form, so that two spellings of one method are one row. An unknown one is an error: a slip of
 /// the keyboard should not cost minutes.
 pub fn shortest<S: AsRef<str>>(registry: &Registry, labels: &[S]) -> Result<Vec<String>> {

@@ -1,15 +1,16 @@
 //! Takes a method through its file and measures what comes back.
 
 use crate::error_sums::{self, Sums, relative};
-use crate::family::family;
+use crate::family;
+use crate::pictures::{Portrait, SIZE, Turning, Viewpoint};
 use crate::row::{Row, Status};
-use crate::scenes::{self, LIGHTS};
-use crate::suite::DENSE_LIMIT;
+use crate::scenes::{self, LIGHTS, Light};
+use crate::suite::{DENSE_LIMIT, Origin};
 use crate::timing::{Budget, Timing};
 use crate::{files, fingerprint, memory, number};
 use anyhow::{Context, ensure};
 use ndarray::{Array2, ArrayView2, s};
-use prt_transfer::{Compressed, Label, Metric, Progress, Registry, TransferMatrix};
+use prt_transfer::{Compressed, Label, Metric, Progress, Quiet, Registry, TransferMatrix};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -18,7 +19,7 @@ use std::time::{Duration, Instant};
 /// Encoding is repeated so often …
 const ENCODE_RUNS: usize = 7;
 /// … or until so much time has passed.
-const ENCODE_BUDGET: Duration = Duration::from_millis(500);
+const ENCODE_BUDGET: Duration = Duration::from_millis(200);
 
 /// Threads to measure on: pools of their own, so that nothing else runs in them.
 pub struct Pools {
@@ -35,6 +36,10 @@ pub struct Reference {
     relit: Vec<(Array2<f32>, Array2<f32>)>,
     /// What relighting is timed with: lights x 3.
     timed: Array2<f32>,
+    /// What is seen under the first of [`LIGHTS`]; none where nobody looks or there is nothing to see.
+    seen: Option<(Viewpoint, Portrait)>,
+    /// The first of [`LIGHTS`] while it turns; likewise.
+    turning: Option<Turning>,
 }
 
 /// How much to spend and where to write.
@@ -77,15 +82,38 @@ impl Reference {
             Some((light, _)) => light.clone(),
             None => Array2::from_shape_fn((matrix.lights(), 3), |(k, c)| 1.0 + (7 * k + c) as f32 % 5.0),
         };
-        Ok(Reference { matrix, metric, whole, relit, timed })
+        Ok(Reference { matrix, metric, whole, relit, timed, seen: None, turning: None })
+    }
+    /// With what errors of pictures and flicker take, where `origin` says what is seen.
+    pub fn with_pictures(self, origin: &Origin) -> anyhow::Result<Reference> {
+        let (matrix, light) = (&self.matrix, Light::named(LIGHTS[0])?);
+        let Some(viewpoint) = Viewpoint::of(origin, matrix.responses(), SIZE, &Quiet)? else { return Ok(self) };
+        let turning = viewpoint.is_lit().then(|| Turning::new(matrix, &light, &self.metric)).transpose()?;
+        let portrait = Portrait::taken(&viewpoint, matrix, light.on(matrix.basis(), 0.0)?)?;
+        Ok(Reference { seen: Some((viewpoint, portrait)), turning, ..self })
     }
     /// Σ T², which errors are relative to.
     pub fn square(&self) -> f64 {
         self.whole.squares
     }
+    /// Sums of T, which errors are relative to.
+    pub fn whole(&self) -> &Sums {
+        &self.whole
+    }
     /// The matrix itself.
     pub fn matrix(&self) -> &TransferMatrix {
         &self.matrix
+    }
+    /// What an error over the sphere is measured by.
+    pub fn metric(&self) -> &Metric {
+        &self.metric
+    }
+    /// Σ(T-T̃)²/ΣT², and the same over the sphere where lights have a place on it.
+    pub fn error_of(&self, compressed: &Compressed) -> (f64, Option<f64>) {
+        let Reference { matrix, metric, whole, .. } = self;
+        let sums = error_sums::of_difference(matrix, compressed, metric);
+        let weighted = metric.is_known().then(|| relative(sums.weighted, whole.weighted));
+        (relative(sums.squares, whole.squares), weighted)
     }
 }
 
@@ -94,7 +122,7 @@ impl Bench<'_> {
     pub fn planned(&self, subject: &Row, method: &str) -> Row {
         Row {
             method: method.into(),
-            family: method.parse().map_or_else(|_| method.into(), |label| family(&label)),
+            family: family::of(method),
             threads: self.pools.all.current_num_threads(),
             program: fingerprint::program().into(),
             ..subject.clone()
@@ -141,15 +169,18 @@ impl Bench<'_> {
             encoded = Some(result?);
             peak_encode_bytes = peak_encode_bytes.max(peak);
         }
-        let encode_s = Timing::of(&mut times).median_ms / 1e3;
+        let encode = Timing::of(&mut times);
+        let encode_spread_s = (encode.runs >= 3).then_some(encode.spread_ms / 1e3);
         let encoded = encoded.context("at least one run")?;
         let sizes = files::write_prt(path, &encoded)?;
         drop(encoded);
         let compressed = files::read_prt(path, self.registry)?;
-        let mut row = Row { encode_s: Some(encode_s), peak_encode_bytes, file_bytes: Some(sizes.file), ..row };
+        let encode_s = Some(encode.median_ms / 1e3);
+        let mut row = Row { encode_s, encode_spread_s, peak_encode_bytes, file_bytes: Some(sizes.file), ..row };
         storage_and_work(&mut row, &compressed, reference)?;
         self.pools.everywhere(|| errors(&mut row, &compressed, reference))?;
         ensure!(row.error.is_some_and(f64::is_finite), "the decoded matrix is not finite");
+        self.pools.everywhere(|| pictures(&mut row, &compressed, reference))?;
         self.times(&mut row, &compressed, reference)?;
         Ok(Row { status: Status::Ok, reason: String::new(), ..row })
     }
@@ -211,11 +242,24 @@ fn errors(row: &mut Row, compressed: &Compressed, reference: &Reference) -> anyh
     Ok(())
 }
 
+/// Errors of what is seen.
+fn pictures(row: &mut Row, compressed: &Compressed, reference: &Reference) -> anyhow::Result<()> {
+    let Reference { metric, seen, turning, .. } = reference;
+    row.flicker = turning.as_ref().map(|turning| turning.flicker(compressed, metric)).transpose()?;
+    if let Some((viewpoint, portrait)) = seen {
+        let errors = portrait.compare(viewpoint, compressed)?.errors;
+        row.picture_error = Some(errors.relative_squared_error);
+        row.picture_psnr_db = Some(errors.psnr_db).filter(|psnr| psnr.is_finite());
+        row.picture_flip = Some(errors.flip);
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::registry::registry;
-    use prt_transfer::{LightBasis, Quiet};
+    use prt_transfer::LightBasis;
     use std::time::Duration;
 
     fn measured(matrix: TransferMatrix) -> Row {

@@ -1,6 +1,6 @@
 //! A progress bar on a terminal for anything that takes over a second; silence otherwise.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use prt_transfer::{Progress, Result};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -49,7 +49,7 @@ impl Drop for Bar {
 
 /// A bar that nobody sees until [`reveal`].
 fn hidden(total: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{elapsed_precise} {wide_bar} {pos}/{len} {msg}");
+    let style = ProgressStyle::with_template("{elapsed_precise}{prefix} {wide_bar} {pos}/{len} {msg}");
     let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
     match style {
         Ok(style) => bar.with_style(style),
@@ -87,6 +87,13 @@ impl Steps {
     pub fn show(&self, what: &str) {
         self.bar.set_message(what.to_string());
         reveal(&self.bar, self.began);
+    }
+
+    /// How long the steps that are left will take.
+    pub fn expect(&self, left: Duration) {
+        // Coarse, as it is known.
+        let left = Duration::from_secs(left.as_secs().next_multiple_of(if left.as_secs() > 90 { 30 } else { 5 }));
+        self.bar.set_prefix(format!(", {} left", HumanDuration(left)));
     }
 
     /// So many steps are finished.

@@ -1,7 +1,8 @@
 //! `prt relight`: the responses of a compressed matrix to a light.
 
 use crate::registry::registry;
-use crate::{files, lobe_file, scenes};
+use crate::scenes::{self, Light};
+use crate::{files, lobe_file};
 use anyhow::{Context, bail};
 use clap::Args;
 use glam::{DMat3, DVec3};
@@ -69,7 +70,7 @@ fn lit_by_lobes(compressed: &Compressed, light: &ScatteredLight) -> anyhow::Resu
             return Ok(out);
         }
     }
-    let texels = responses.light(basis, scenes::lobe_light(light, basis)?)?;
+    let texels = responses.light(basis, Light::Lobes(light.clone()).on(basis, 0.0)?)?;
     compressed.apply_into(texels.view(), out.view_mut())?;
     Ok(out)
 }

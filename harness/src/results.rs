@@ -24,6 +24,11 @@ impl Results {
         &self.path
     }
 
+    /// Every row, in the order of the file.
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
     /// The finished measurement that makes `planned` superfluous; a failure is tried again.
     pub fn finished(&self, planned: &Row) -> Option<&Row> {
         self.rows.iter().find(|row| row.is_ok() && row.same_measurement(planned))

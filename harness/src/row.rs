@@ -39,8 +39,10 @@ pub struct Row {
     pub lights: usize,
     /// Elements that are not 0.
     pub non_zeros: usize,
-    /// Compressing, on all threads, s.
+    /// Compressing, on all threads, median, s.
     pub encode_s: Option<f64>,
+    /// Distance between the quartiles of the same, where there were at least three runs.
+    pub encode_spread_s: Option<f64>,
     /// The most memory held while compressing, the result included and T not.
     pub peak_encode_bytes: Option<u64>,
     /// What relighting holds in memory.
@@ -65,6 +67,14 @@ pub struct Row {
     pub error_relit_sky: Option<f64>,
     /// The same under the built-in room.
     pub error_relit_room: Option<f64>,
+    /// Σ(y_t - y_t-1 - ỹ_t + ỹ_t-1)²/Σ(y_t - y_t-1)² of relit output while the sky turns: what flickers.
+    pub flicker: Option<f64>,
+    /// Of a picture under the sky, or of a light field in its own light: relative squared error of linear radiance.
+    pub picture_error: Option<f64>,
+    /// Of the same picture, 8 bits a channel; none where it is exact.
+    pub picture_psnr_db: Option<f64>,
+    /// Of the same picture: mean FLIP, 0 to 1.
+    pub picture_flip: Option<f64>,
     /// Relighting one channel on one thread, median, ms.
     pub relight_1_ms: Option<f64>,
     /// Distance between the quartiles of the same.

@@ -1,7 +1,14 @@
 //! What `prt bench` measures when nobody says otherwise.
 
+use crate::family;
+use crate::registry::families::{Family, Kind, families};
+use crate::scenes::Up;
 use crate::signal::{Signal, Spec};
-use prt_transfer::LightBasis;
+use crate::worlds;
+use prt_transfer::responses::Directions;
+use prt_transfer::scene::light_field::FieldParams;
+use prt_transfer::scene::separable::Terms;
+use prt_transfer::{LightBasis, Registry};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -25,196 +32,299 @@ pub enum Origin {
         scene: String,
         /// Of a built-in scene.
         vertices: Option<usize>,
+        /// Which axis of a mesh file points up.
+        up: Up,
         /// What is precomputed.
         spec: Spec,
+    },
+    /// The light field of a shape of a built-in world.
+    Field {
+        /// Name of the world.
+        world: String,
+        /// Name of the shape.
+        shape: String,
+        /// Texels, directions and paths.
+        params: FieldParams,
     },
     /// A matrix file.
     Matrix(PathBuf),
 }
 
 /// What to measure, in order: every method on every origin.
-#[derive(Clone, Debug)]
 pub struct Suite {
-    /// Matrices.
-    pub origins: Vec<Origin>,
-    /// Labels.
-    pub methods: Vec<String>,
-    /// Labels beside them for matrices whose signal is `biscale`.
-    pub biscale_methods: Vec<String>,
-    /// Labels beside them for all other matrices: a sample of `biscale`, D² x lights numbers, is too long a vector to be clustered.
-    pub cluster_methods: Vec<String>,
+    /// Matrices, each with the labels that are measured on it.
+    pub subjects: Vec<Subject>,
     /// Time for each of the four relighting figures of a row.
     pub budget: Duration,
 }
 
-/// Curved, flat, and curved with ears: the worst and the best case of methods that look for structure.
-const SCENES: [&str; 3] = ["teapot", "chair", "blob"];
-const QUICK_SCENES: [&str; 1] = ["teapot"];
-const FULL_SCENES: [&str; 7] = ["teapot", "cornell-box", "two-polygons", "temple", "chair", "bumpy-sphere", "blob"];
+/// A matrix and what is measured on it.
+pub struct Subject {
+    /// The matrix.
+    pub origin: Origin,
+    /// Labels.
+    pub methods: Vec<String>,
+}
 
-/// The rivals that a reader will think of, exact and not.
-const RIVALS: [&str; 5] = ["dense", "csr", "compact", "runs", "f16"];
-/// Archives of visibility, which know no other signal.
-const BISCALE_METHODS: [&str; 1] = ["visibility"];
-const QUICK_METHODS: [&str; 4] = ["bicluster", "haar+truncate:terms=16", "haar+truncate:terms=64", "sh:order=5+dense"];
-const METHODS: [&str; 15] = [
-    "bicluster",
-    "bicluster:levels=1",
-    "bicluster:max_error=0.01",
-    "truncate:terms=64",
-    "haar+truncate:terms=16",
-    "haar+truncate:terms=32",
-    "haar+truncate:terms=64",
-    "haar+truncate:terms=128",
-    "haar+truncate:terms=256",
-    "sh:order=3+dense",
-    "sh:order=5+dense",
-    "sh:order=8+dense",
-    "srbf:centers=162+dense",
-    "srbf+dense",
-    "srbf+f16",
+/// What the user asks for; what is empty is the suite's own.
+#[derive(Clone, Debug, Default)]
+pub struct Wishes {
+    /// Built-in scenes, worlds, meshes, matrix files.
+    pub scenes: Vec<String>,
+    /// Signals of the scenes among them.
+    pub signals: Vec<Signal>,
+    /// Labels in their shortest form.
+    pub methods: Vec<String>,
+    /// Which axis of mesh files points up.
+    pub up: Up,
+}
+
+/// Built-in scenes with their signals: curved, flat, and curved with ears, the worst and the best case of methods that look for structure.
+const SCENES: [(&str, &[Signal]); 3] = [
+    ("teapot", &Signal::ALL),
+    ("chair", &[Signal::Biscale, Signal::Diffuse]),
+    ("blob", &[Signal::Biscale, Signal::Diffuse, Signal::Glossy]),
 ];
-/// Vectors and subspaces that samples share.
-const QUICK_CLUSTERS: [&str; 3] = ["pca", "cpca:clusters=16", "srbf:centers=162+cta:clusters=4"];
-const CLUSTERS: [&str; 10] = [
-    "vq:clusters=32",
-    "vq:clusters=128",
-    "pca:components=32",
-    "cpca:clusters=16",
-    "cpca:clusters=16:mode=iterative",
-    "cpca:clusters=16:mode=adaptive:weights=i16:representatives=i16",
-    "cpca:clusters=auto:max_error=1e-2",
-    "tucker:max_error=1e-2",
-    "srbf+cta:clusters=16:light=24:sample=8",
-    "srbf+cta:clusters=16:light=24:sample=8:numbers=coded",
+const QUICK_SCENES: [(&str, &[Signal]); 1] = [("teapot", &Signal::ALL)];
+const FULL_SCENES: [(&str, &[Signal]); 7] = [
+    ("teapot", &Signal::ALL),
+    ("cornell-box", &Signal::ALL),
+    ("two-polygons", &Signal::ALL),
+    ("temple", &Signal::ALL),
+    ("chair", &Signal::ALL),
+    ("bumpy-sphere", &Signal::ALL),
+    ("blob", &Signal::ALL),
 ];
-const FULL_CLUSTERS: [&str; 11] = [
-    "vq:clusters=512",
-    "pca:components=128",
-    "cpca:clusters=64",
-    "cpca:clusters=64:mode=iterative",
-    "cpca:clusters=64:mode=adaptive",
-    "cpca:clusters=64:norm=radiance",
-    "srbf+cpca:clusters=64",
-    "srbf+cta",
-    "srbf+cta:members=2",
-    "haar:scale=sphere+cta",
-    "srbf+tucker",
-];
-const FULL_METHODS: [&str; 11] = [
-    "bicluster:objective=flops",
-    "bicluster:levels=2",
-    "bicluster:levels=1:seeds=random",
-    "truncate:terms=16",
-    "truncate:terms=256",
-    "haar+csr",
-    "haar+truncate:terms=512",
-    "haar:scale=sphere+truncate:terms=64",
-    "haar:scale=sphere+truncate:terms=256",
-    "sh:order=10+dense",
-    "srbf:centers=2562+dense",
-];
+/// What is precomputed of a mesh where nobody says.
+const MESH_SIGNALS: [Signal; 3] = [Signal::Biscale, Signal::Diffuse, Signal::Glossy];
+/// The world and the shape whose light field is compressed.
+const FIELD: (&str, &str) = ("glossy-sphere", "sphere");
 
 /// A dense matrix above this many bytes is not tried: it would measure the machine's swapping.
 pub const DENSE_LIMIT: u64 = 1_000_000_000;
 
 impl Suite {
-    /// The usual suite of a size, with scenes or methods of the user's in place of its own where there are any.
-    pub fn new(size: Size, scenes: &[String], methods: &[String]) -> Suite {
-        let (usual, vertices, resolution, budget) = match size {
-            Size::Quick => (&QUICK_SCENES[..], 150, 16, 40),
-            Size::Standard => (&SCENES[..], 400, 32, 90),
-            Size::Full => (&FULL_SCENES[..], 3000, 32, 500),
+    /// The usual suite of a size, with scenes, signals or methods of the user's in place of its own where there are any.
+    pub fn new(size: Size, wishes: &Wishes, registry: &Registry) -> Suite {
+        let origins = match wishes.scenes.is_empty() {
+            true => size.origins(&wishes.signals),
+            false => wishes.scenes.iter().flat_map(|scene| size.origins_of(scene, wishes)).collect(),
         };
-        let scenes = if scenes.is_empty() { owned(usual) } else { scenes.to_vec() };
-        let basis = LightBasis::Cubemap { resolution };
-        let origins = scenes.iter().flat_map(|scene| origins(scene, vertices, &basis)).collect();
-        let budget = Duration::from_millis(budget);
-        if !methods.is_empty() {
-            let (biscale_methods, cluster_methods) = (Vec::new(), Vec::new());
-            return Suite { origins, methods: methods.to_vec(), biscale_methods, cluster_methods, budget };
+        let subject = |origin: Origin| {
+            let usual = || size.methods(&families(registry, origin.kind()));
+            let methods = if wishes.methods.is_empty() { usual() } else { wishes.methods.clone() };
+            Subject { origin, methods }
+        };
+        Suite { subjects: origins.into_iter().map(subject).collect(), budget: size.budget() }
+    }
+
+    /// Every family in the order in which the bench comes to it.
+    pub fn families(&self) -> Vec<String> {
+        let families: Vec<String> = self.subjects.iter().flat_map(|s| &s.methods).map(|m| family::of(m)).collect();
+        family::in_order(families.iter().map(String::as_str))
+    }
+
+    /// How many rows that makes.
+    pub fn rows(&self) -> usize {
+        self.subjects.iter().map(|s| s.methods.len()).sum()
+    }
+}
+
+impl Subject {
+    /// What the measurement of each method may take, s, the matrix counted with the first: a guess from two cores that the run corrects.
+    pub fn guesses(&self) -> Vec<f64> {
+        let [matrix, method] = match self.origin.kind() {
+            Kind::Biscale => [1.0, 1.6],
+            Kind::Terms => [1.5, 1.5],
+            Kind::Diffuse | Kind::Other => [1.0, 0.8],
+            Kind::Glossy => [0.5, 0.7],
+            Kind::Field => [5.0, 1.0],
+        };
+        let scale = match &self.origin {
+            Origin::Scene { vertices: Some(vertices), .. } => (*vertices as f64 / 400.0).max(0.5),
+            _ => 1.0,
+        };
+        let mut guesses = vec![scale * method; self.methods.len()];
+        guesses.iter_mut().take(1).for_each(|first| *first += scale * matrix);
+        guesses
+    }
+}
+
+impl Origin {
+    /// What its matrix will hold; a file may hold anything.
+    pub fn kind(&self) -> Kind {
+        match self {
+            Origin::Scene { spec, .. } => match spec.signal {
+                Signal::Biscale => Kind::Biscale,
+                Signal::Diffuse => Kind::Diffuse,
+                Signal::Glossy => Kind::Glossy,
+                Signal::Terms => Kind::Terms,
+            },
+            Origin::Field { .. } => Kind::Field,
+            Origin::Matrix(_) => Kind::Other,
         }
-        let (biscale_methods, cluster_methods) = (owned(&BISCALE_METHODS), clusters(size));
-        Suite { origins, methods: usual_methods(size), biscale_methods, cluster_methods, budget }
-    }
-
-    /// What is measured on one matrix.
-    pub fn methods_on(&self, origin: &Origin) -> Vec<String> {
-        let biscale = matches!(origin, Origin::Scene { spec, .. } if spec.signal == Signal::Biscale);
-        let more = if biscale { &self.biscale_methods } else { &self.cluster_methods };
-        [&self.methods[..], more].concat()
     }
 }
 
-fn usual_methods(size: Size) -> Vec<String> {
-    let mut methods = owned(&RIVALS);
-    match size {
-        Size::Quick => methods.extend(owned(&QUICK_METHODS)),
-        Size::Standard => methods.extend(owned(&METHODS)),
-        Size::Full => methods.extend(owned(&[&METHODS[..], &FULL_METHODS[..]].concat())),
+impl Size {
+    /// Vertices of built-in scenes, about.
+    fn vertices(self) -> usize {
+        match self {
+            Size::Quick => 150,
+            Size::Standard => 400,
+            Size::Full => 3000,
+        }
     }
-    methods
-}
 
-fn clusters(size: Size) -> Vec<String> {
-    match size {
-        Size::Quick => owned(&QUICK_CLUSTERS),
-        Size::Standard => owned(&CLUSTERS),
-        Size::Full => owned(&[&CLUSTERS[..], &FULL_CLUSTERS[..]].concat()),
+    fn budget(self) -> Duration {
+        Duration::from_millis(match self {
+            Size::Quick => 30,
+            Size::Standard => 45,
+            Size::Full => 500,
+        })
     }
-}
 
-fn owned(names: &[&str]) -> Vec<String> {
-    names.iter().map(|&name| name.into()).collect()
-}
+    /// What is precomputed of a scene.
+    fn spec(self, signal: Signal) -> Spec {
+        let resolution = if self == Size::Quick { 16 } else { 32 };
+        let basis = match signal {
+            Signal::Glossy => signal.usual_basis(),
+            _ => LightBasis::Cubemap { resolution },
+        };
+        let terms = if self == Size::Full { Terms::Count(16) } else { Terms::Count(8) };
+        Spec { terms, ..Spec::new(signal, basis) }
+    }
 
-/// Both signals of a scene; a matrix file as it is.
-fn origins(scene: &str, vertices: usize, basis: &LightBasis) -> Vec<Origin> {
-    let path = Path::new(scene);
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    match extension.as_str() {
-        "npz" | "npy" | "mtx" => vec![Origin::Matrix(path.into())],
-        mesh => [Signal::Biscale, Signal::Diffuse]
-            .map(|signal| Origin::Scene {
-                scene: scene.into(),
-                vertices: mesh.is_empty().then_some(vertices),
-                spec: Spec::new(signal, basis.clone()),
-            })
-            .into(),
+    /// A small field: tracing must not take longer than all methods together.
+    fn field(self) -> FieldParams {
+        let (edge, around) = match self {
+            Size::Quick => (16, 16),
+            Size::Standard => (48, 32),
+            Size::Full => (128, 64),
+        };
+        let frame = Directions::Reflected;
+        FieldParams { width: edge, height: edge, around, down: around / 2, frame, ..FieldParams::default() }
+    }
+
+    /// The usual matrices, of these signals where any are given.
+    fn origins(self, signals: &[Signal]) -> Vec<Origin> {
+        let scenes: &[(&str, &[Signal])] = match self {
+            Size::Quick => &QUICK_SCENES,
+            Size::Standard => &SCENES,
+            Size::Full => &FULL_SCENES,
+        };
+        let wanted = |signal: &&Signal| signals.is_empty() || signals.contains(signal);
+        let of = |(scene, usual): &(&str, &[Signal])| -> Vec<Origin> {
+            usual.iter().filter(wanted).map(|&signal| self.scene(scene, signal, Up::Z)).collect()
+        };
+        let mut origins: Vec<Origin> = scenes.iter().flat_map(of).collect();
+        if signals.is_empty() {
+            origins.push(self.world(FIELD.0, FIELD.1));
+        }
+        origins
+    }
+
+    /// The signals of a scene of the user's; a matrix file as it is.
+    fn origins_of(self, scene: &str, wishes: &Wishes) -> Vec<Origin> {
+        let path = Path::new(scene);
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
+        if ["npz", "npy", "mtx"].contains(&extension.as_str()) {
+            return vec![Origin::Matrix(path.into())];
+        }
+        if let Some((world, shape)) = scene.split_once('/').filter(|(world, _)| worlds::is_built_in(world)) {
+            return vec![self.world(world, shape)];
+        }
+        // All terms of a large mesh are gigabytes: whoever wants them says so.
+        let usual = if extension.is_empty() { &Signal::ALL[..] } else { &MESH_SIGNALS };
+        let signals = if wishes.signals.is_empty() { usual } else { &wishes.signals };
+        signals.iter().map(|&signal| self.scene(scene, signal, wishes.up)).collect()
+    }
+
+    fn scene(self, scene: &str, signal: Signal, up: Up) -> Origin {
+        let built_in = Path::new(scene).extension().is_none();
+        let (vertices, up) = if built_in { (Some(self.vertices()), Up::Z) } else { (None, up) };
+        Origin::Scene { scene: scene.into(), vertices, up, spec: self.spec(signal) }
+    }
+
+    fn world(self, world: &str, shape: &str) -> Origin {
+        Origin::Field { world: world.into(), shape: shape.into(), params: self.field() }
+    }
+
+    /// The points of all families, each once.
+    fn methods(self, families: &[Family]) -> Vec<String> {
+        let mut methods: Vec<String> = Vec::new();
+        for family in families {
+            let points: &[&[&str]] = match self {
+                Size::Quick => &[family.quick],
+                Size::Standard => &[family.quick, family.standard],
+                Size::Full => &[family.quick, family.standard, family.full],
+            };
+            let alone = [family.base];
+            let named = !family.is_alone();
+            let points = points.concat();
+            for point in if named { &points[..] } else { &alone[..] } {
+                if !methods.iter().any(|m| m == point) {
+                    methods.push(point.to_string());
+                }
+            }
+        }
+        methods
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::registry::registry;
     use prt_transfer::Label;
 
     #[test]
     fn every_label_of_every_suite_is_in_its_shortest_form_and_there_once() {
         for size in [Size::Quick, Size::Standard, Size::Full] {
-            let suite = Suite::new(size, &[], &[]);
-            let methods = [&suite.methods[..], &suite.biscale_methods[..], &suite.cluster_methods[..]].concat();
-            for (i, method) in methods.iter().enumerate() {
-                assert_eq!(&method.parse::<Label>().unwrap().to_string(), method);
-                assert!(!methods[..i].contains(method), "{method}");
+            for Subject { methods, .. } in Suite::new(size, &Wishes::default(), &registry()).subjects {
+                for (i, method) in methods.iter().enumerate() {
+                    let label: Label = method.parse().unwrap();
+                    assert_eq!(&registry().method(&label).unwrap().label().to_string(), method);
+                    assert!(!methods[..i].contains(method), "{method}");
+                }
+                assert!(methods.iter().any(|m| m == "csr"), "the exact reference");
             }
-            assert!(methods.iter().any(|m| m == "csr"), "the exact reference");
         }
     }
 
     #[test]
-    fn visibility_is_measured_on_biscale_alone() {
-        let suite = Suite::new(Size::Quick, &[], &[]);
-        let on = suite.origins.iter().map(|o| suite.methods_on(o).iter().any(|m| m == "visibility"));
-        assert_eq!(on.collect::<Vec<_>>(), [true, false], "biscale, diffuse");
+    fn every_registered_codec_is_measured_on_some_matrix_and_each_only_where_it_fits() {
+        let registry = registry();
+        let suite = Suite::new(Size::Standard, &Wishes::default(), &registry);
+        let measured = |codec: &str| -> Vec<Kind> {
+            let names = |s: &&Subject| s.methods.iter().any(|m| m.parse::<Label>().unwrap().codec.name == codec);
+            suite.subjects.iter().filter(names).map(|s| s.origin.kind()).collect()
+        };
+        for codec in registry.codecs() {
+            assert!(!measured(codec.name).is_empty(), "{}", codec.name);
+        }
+        assert!(measured("visibility").iter().all(|kind| *kind == Kind::Biscale));
+        assert_eq!(measured("slf"), [Kind::Field]);
+        assert!(!measured("cpca").contains(&Kind::Biscale));
     }
 
     #[test]
     fn a_scene_of_the_user_replaces_the_usual_ones_and_a_matrix_needs_no_signal() {
-        let suite = Suite::new(Size::Quick, &["bunny.ply".into(), "T.NPZ".into()], &["csr".into()]);
-        assert!(suite.origins.iter().all(|origin| suite.methods_on(origin) == ["csr"]));
-        assert_eq!(suite.origins.len(), 3);
-        assert_eq!(suite.origins[2], Origin::Matrix("T.NPZ".into()));
-        let Origin::Scene { vertices: None, .. } = &suite.origins[0] else { panic!("a mesh keeps its vertices") };
+        let scenes = ["bunny.ply", "T.NPZ", "cornell-spheres/torus"].map(String::from);
+        let wishes = Wishes { scenes: scenes.into(), methods: vec!["csr".into()], ..Wishes::default() };
+        let Suite { subjects, .. } = Suite::new(Size::Quick, &wishes, &registry());
+        assert!(subjects.iter().all(|subject| subject.methods == ["csr"]));
+        assert_eq!(subjects.len(), 5, "three signals of the mesh");
+        assert_eq!(subjects[3].origin, Origin::Matrix("T.NPZ".into()));
+        let Origin::Scene { vertices: None, .. } = &subjects[0].origin else { panic!("a mesh keeps its vertices") };
+        let Origin::Field { world, shape, .. } = &subjects[4].origin else { panic!("a world's shape is a field") };
+        assert_eq!((world.as_str(), shape.as_str()), ("cornell-spheres", "torus"));
+    }
+
+    #[test]
+    fn only_the_signals_that_are_asked_for_are_precomputed() {
+        let wishes = Wishes { signals: vec![Signal::Glossy], ..Wishes::default() };
+        let Suite { subjects, .. } = Suite::new(Size::Standard, &wishes, &registry());
+        assert!(subjects.len() == 2 && subjects.iter().all(|s| s.origin.kind() == Kind::Glossy));
     }
 }

@@ -26,6 +26,14 @@ pub struct Timing {
     pub runs: usize,
 }
 
+/// A spread above this part of its median is marked wherever the median is shown.
+pub const STEADY: f64 = 0.1;
+
+/// Whether a median is to be read with care.
+pub fn is_unsteady(median: Option<f64>, spread: Option<f64>) -> bool {
+    median.zip(spread).is_some_and(|(median, spread)| spread > STEADY * median)
+}
+
 impl Budget {
     /// At least 7 runs within about `time`, a fifth of it before for warming up.
     pub fn of(time: Duration) -> Budget {

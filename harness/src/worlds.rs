@@ -16,7 +16,7 @@ use prt_transfer::texels::Border;
 use std::path::Path;
 
 /// What lights a mesh and how it reflects; a built-in world has its own.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Look<'a> {
     /// A built-in light or a lat-long image.
     pub light: Option<&'a str>,

@@ -2,18 +2,9 @@
 
 mod common;
 
-use common::{done, prt};
+use common::{done, prt, refused};
 use serde_json::Value;
 use std::path::Path;
-
-/// The one sentence of a run that must fail with this code.
-fn refused(code: i32, arguments: &[&str], folder: &Path) -> String {
-    let output = prt(arguments, folder);
-    let errors = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
-    assert_eq!(output.stdout, b"", "{arguments:?}");
-    errors
-}
 
 /// The first built-in scene.
 fn scene(folder: &Path) -> String {
@@ -85,6 +76,9 @@ fn failures_are_one_sentence_with_the_place_and_leave_no_file() {
         (&["tables", "biclustering", "--method", "nothing"], "unknown codec 'nothing'"),
         (&["tables", "biclustering", "--method", "csr", "--scene", "nowhere"], "nowhere"),
         (&["tables", "biclustering", "--method", "csr", "--assets", "absent"], "absent"),
+        (&["tables", "biclustering", "--full"], "leave --full out"),
+        (&["tables", "slf", "--scene", "torus"], "leave --scene"),
+        (&["tables", "tensor", "--table", "bytes"], "table1, table2, figure4, figure5"),
         (&["stability", "biclustering", "--method", "nothing"], "unknown codec 'nothing'"),
         (&["stability", "biclustering", "--method", "csr", "--sweep", "nothing"], "unknown sweep 'nothing'"),
         (&["figures", "clustered-pca", "--figure", "nothing"], "unknown figure 'nothing'"),
@@ -112,6 +106,10 @@ fn wrong_usage_is_told_apart_from_failure() {
         &["encode", "csr", "T.npz", "-o", "T.prt", "--basis", "cube"],
         &["info"],
         &["tables", "unwritten"],
+        &["tables", "srbf"],
+        &["tables", "--table", "table1"],
+        &["tables", "--out", "x"],
+        &["tables", "--full"],
         &["tables", "biclustering", "--assets", ".", "--vertices", "100"],
         &["stability", "unwritten"],
         &["figures", "unwritten"],
@@ -269,74 +267,28 @@ fn a_streamed_matrix_is_the_same_and_must_be_described() {
 }
 
 #[test]
-fn a_bench_writes_everything_and_never_measures_a_row_twice() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    precompute(folder, "diffuse", "T.npz");
-    let arguments = ["bench", "--quick", "--scene", "T.npz", "--method", "csr", "--out", "out", "--json"];
-    let first: Value = serde_json::from_str(&done(&arguments, folder)).unwrap();
-    let row = &first[0];
-    assert_eq!((row["status"].as_str(), row["error"].as_f64()), (Some("ok"), Some(0.0)));
-    let path = |name: &str| folder.join("out").join(name);
-    let csv = std::fs::read_to_string(path("results.csv")).unwrap();
-    assert_eq!(csv.lines().count(), 2, "{csv}");
-    for name in ["machine.json", "report.html"] {
-        assert!(path(name).metadata().unwrap().len() > 0, "{name}");
-    }
-    for name in ["speed", "storage", "encode"] {
-        for extension in ["svg", "png", "csv"] {
-            assert!(path("charts").join(format!("T.npz-{name}.{extension}")).exists(), "{name}.{extension}");
-        }
-    }
-    // Times differ from run to run: the same file means that nothing was measured.
-    let second: Value = serde_json::from_str(&done(&arguments, folder)).unwrap();
-    assert_eq!(first, second);
-    assert_eq!(std::fs::read_to_string(path("results.csv")).unwrap(), csv);
-    // Another matrix under the same name is another measurement.
-    precompute(folder, "biscale", "T.npz");
-    let third: Value = serde_json::from_str(&done(&arguments, folder)).unwrap();
-    assert_ne!(first[0]["fingerprint"], third[0]["fingerprint"]);
-    assert_ne!(first[0]["relight_1_ms"], third[0]["relight_1_ms"]);
-}
-
-#[test]
-fn what_fails_is_a_row_with_its_reason_and_nothing_but_failures_is_a_failure() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    precompute(folder, "diffuse", "T.npz");
-    std::fs::write(folder.join("bad.npz"), "no archive").unwrap();
-    let bad = ["bench", "--quick", "--scene", "bad.npz", "--method", "csr", "--out", "out"];
-    let output = prt(&bad, folder);
-    assert_eq!(output.status.code(), Some(1));
-    assert_eq!(String::from_utf8(output.stderr).unwrap().lines().count(), 1);
-    let table = String::from_utf8(output.stdout).unwrap();
-    assert!(table.contains("failed") && table.contains("csr: bad.npz"), "{table}");
-
-    let table = done(&[&bad[..], &["--scene", "T.npz"]].concat(), folder);
-    assert!(table.contains("csr: bad.npz") && table.contains("T.npz · file · cubemap:8"), "{table}");
-    let csv = std::fs::read_to_string(folder.join("out/results.csv")).unwrap();
-    assert!(csv.contains(",failed,") && csv.contains(",ok,"), "{csv}");
-}
-
-#[test]
 fn a_table_stands_beside_the_paper_s_and_a_mesh_that_is_missing_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let usual = ["tables", "biclustering", "--method", "csr", "--vertices", "40"];
     let text = done(&[&usual[..], &["--scene", "bunny,armor", "--out", "built-in"]].concat(), folder);
-    assert!(text.contains("blob-40") && text.contains("armor: ") && text.contains("[compact]"), "{text}");
+    assert!(
+        text.contains("bunny, the paper's") && text.contains("blob, compact") && text.contains("armor: "),
+        "{text}"
+    );
     let csv = std::fs::read_to_string(folder.join("built-in/table1.csv")).unwrap();
-    // Two methods on the bunny's stand-in, and a line that says why there is no armor.
-    assert_eq!(csv.lines().count(), 1 + 2 + 1, "{csv}");
+    // What is printed of both, two methods on the bunny's stand-in, and a line that says why there is no armor.
+    assert_eq!(csv.lines().count(), 1 + 2 + 2 + 1, "{csv}");
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
     let names = reader.headers().unwrap().clone();
-    let first = reader.records().next().unwrap().unwrap();
-    let figure = |name: &str| first[names.iter().position(|n| n == name).unwrap()].parse::<f64>().unwrap();
-    assert_eq!(
-        (figure("computation_percent"), figure("paper_computation_percent"), figure("error")),
-        (100.0, 27.4, 0.0)
-    );
-    assert!(figure("peak_encode_mb") > figure("resident_mb") && figure("times_compact") > 0.0);
+    let records: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    let figure =
+        |line: usize, name: &str| records[line][names.iter().position(|n| n == name).unwrap()].parse::<f64>().unwrap();
+    let part = "computation_percent";
+    assert_eq!((figure(0, part), figure(1, part), figure(1, "error")), (27.4, 100.0, 0.0));
+    assert!(figure(1, "peak_encode_mb") > figure(1, "resident_mb") && figure(1, "times_compact") > 0.0);
+    // None of the scenes of Figure 6.
+    assert!(!folder.join("built-in/figure6.csv").exists());
 
     let mesh = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
                 element face 4\nproperty list uchar int vertex_indices\nend_header\n\
@@ -347,8 +299,9 @@ fn a_table_stands_beside_the_paper_s_and_a_mesh_that_is_missing_is_named() {
     let text = done(&[&assets[..], &["bunny,bunny_12k", "--out", "some"]].concat(), folder);
     assert!(text.contains("bunny_12k: ") && text.contains("meshes/bunny_12k.ply"), "{text}");
     let page = std::fs::read_to_string(folder.join("some/tables.md")).unwrap();
-    assert!(page.contains("| vertices | 4 |") && page.contains("meshes/bunny_12k.ply"), "{page}");
-    let message = refused_with_tables(&[&assets[..], &["temple", "--out", "none"]].concat(), folder);
+    assert!(page.contains("| bunny_3k, csr | 4 |") && page.contains("meshes/bunny_12k.ply"), "{page}");
+    let message =
+        refused_with_tables(&[&assets[..], &["chair", "--table", "table1", "--out", "none"]].concat(), folder);
     assert_eq!(message.lines().count(), 1, "{message}");
 }
 

@@ -1,9 +1,12 @@
-//! Images of linear radiance, how they become pictures ([`tone`]) and how two of them differ ([`difference`]).
+//! Images of linear radiance, how they become pictures ([`tone`]), how two of them differ ([`difference`]) and how different they look
+//! ([`flip`]).
 
 pub mod difference;
+pub mod flip;
 pub mod tone;
 
 use crate::error::{Error, Result};
+pub use flip::Flip;
 pub use tone::{Picture, Tone};
 
 /// RGB pixels in rows from the top, linear radiance in W/m²/sr (or relative to it).

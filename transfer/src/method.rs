@@ -1,8 +1,10 @@
 //! A method is a light transform and a codec; the registry finds both by the names in a label.
 
 mod rows;
+mod transformed;
 
 pub use rows::transform_rows;
+pub use transformed::Transformed;
 
 use crate::basis::LightBasis;
 use crate::codec::{Codec, Encoded, Restore};
@@ -16,6 +18,7 @@ use crate::responses::ResponseBasis;
 use crate::sections::{Section, Sink, Source};
 use crate::transform::{LightTransform, Transform};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
+use std::sync::Arc;
 
 /// A transform and a codec with their parameters, ready to encode.
 pub struct Method {
@@ -32,7 +35,7 @@ pub struct Compressed {
     responses: ResponseBasis,
     layout: Layout,
     shape: Shape,
-    transform: Box<dyn LightTransform>,
+    transform: Arc<dyn LightTransform>,
     encoded: Box<dyn Encoded>,
 }
 
@@ -192,7 +195,7 @@ impl Registry {
             responses: header.responses.clone(),
             layout: header.layout,
             shape: header.shape,
-            transform,
+            transform: transform.into(),
             encoded,
         })
     }
@@ -226,13 +229,7 @@ impl Method {
     }
     /// Compresses `matrix`: transforms its rows, then hands them to the codec.
     pub fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Compressed> {
-        let transform = self.bind(matrix.basis())?;
-        let encoded = if transform.is_identity() {
-            self.codec.encode(matrix, progress)?
-        } else {
-            self.codec.encode(&transform_rows(matrix, &*transform, progress)?, progress)?
-        };
-        Ok(self.compressed(matrix, matrix.basis(), transform, encoded))
+        self.encode_transformed(matrix, &self.transformed(matrix, progress)?, progress)
     }
     /// The light transform on a basis: what makes C's rows of T's.
     pub fn bind(&self, basis: &LightBasis) -> Result<Box<dyn LightTransform>> {
@@ -257,14 +254,14 @@ impl Method {
             });
         }
         let encoded = self.codec.encode(coefficients, progress)?;
-        Ok(self.compressed(coefficients, basis, transform, encoded))
+        Ok(self.compressed(coefficients, basis, transform.into(), encoded))
     }
 
     fn compressed(
         &self,
         of: &TransferMatrix,
         basis: &LightBasis,
-        transform: Box<dyn LightTransform>,
+        transform: Arc<dyn LightTransform>,
         encoded: Box<dyn Encoded>,
     ) -> Compressed {
         Compressed {

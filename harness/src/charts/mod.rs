@@ -4,10 +4,13 @@ mod axis;
 pub mod curves;
 mod figure;
 mod grid;
+mod marker;
 pub mod panels;
 mod pen;
 mod place;
 mod style;
+
+pub use marker::Marker;
 
 use crate::bench::Group;
 use crate::family::distinction;
@@ -73,20 +76,20 @@ pub struct Chart {
     cost: &'static Cost,
     subject: String,
     points: Vec<Point>,
-    /// Every family of the matrix in order, so that a family looks the same on all of its charts.
+    /// Every family of the bench in order, so that a family looks the same on all charts and in the report.
     families: Vec<String>,
     /// Indices of points, ascending in error.
     frontier: Vec<usize>,
 }
 
 /// The three charts of a matrix; none for a cost that no method has.
-pub fn of(group: &Group) -> Vec<Chart> {
-    COSTS.iter().map(|cost| Chart::new(group, cost)).filter(|chart| !chart.points.is_empty()).collect()
+fn of(group: &Group, families: &[String]) -> Vec<Chart> {
+    COSTS.iter().map(|cost| Chart::new(group, families, cost)).filter(|chart| !chart.points.is_empty()).collect()
 }
 
-/// Writes each chart of a matrix into `folder`: .svg, .png, and the points as .csv.
-pub fn draw(group: &Group, folder: &Path, machine: &Machine) -> anyhow::Result<()> {
-    for chart in of(group) {
+/// Writes each chart of a matrix into `folder`: .svg, .png, and the points as .csv. A family's place decides its marker.
+pub fn draw(group: &Group, families: &[String], folder: &Path, machine: &Machine) -> anyhow::Result<()> {
+    for chart in of(group, families) {
         let path = |extension| folder.join(format!("{}-{}.{extension}", group.file_name, chart.cost.name));
         files::write_beside(&path("svg"), chart.svg(Some(machine)).as_bytes())?;
         files::write_beside(&path("png"), &chart.png(machine)?)?;
@@ -96,17 +99,11 @@ pub fn draw(group: &Group, folder: &Path, machine: &Machine) -> anyhow::Result<(
 }
 
 impl Chart {
-    fn new(group: &Group, cost: &'static Cost) -> Chart {
-        let mut families: Vec<String> = Vec::new();
-        for row in &group.rows {
-            if !families.contains(&row.family) {
-                families.push(row.family.clone());
-            }
-        }
+    fn new(group: &Group, families: &[String], cost: &'static Cost) -> Chart {
         let mut points: Vec<Point> = group.rows.iter().filter_map(|row| point(row, cost)).collect();
         let frontier = frontier(&points.iter().map(|p| (p.error, p.cost)).collect::<Vec<_>>());
         frontier.iter().for_each(|&i| points[i].on_frontier = true);
-        Chart { cost, subject: group.title.clone(), points, families, frontier }
+        Chart { cost, subject: group.title.clone(), points, families: families.to_vec(), frontier }
     }
 
     /// As SVG; with a line that says where it was measured.

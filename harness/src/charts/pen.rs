@@ -10,7 +10,7 @@ use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 pub(super) const INK: &str = "#222222";
 pub(super) const FAINT: &str = "#6b6b6b";
 pub(super) const GRID: &str = "#e6e6e6";
-const MARKER: f64 = 5.0;
+pub(super) const MARKER: f64 = 5.0;
 pub(super) const SMALL: u32 = 11;
 
 /// An empty page, pixels.

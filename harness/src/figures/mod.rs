@@ -1,10 +1,12 @@
 //! `prt figures`: the figures of a paper, measured anew.
 //!
 //! A paper is one folder of data (a file for each figure) and one line in [`PAPERS`]; what a figure measures ([`setting`]) is apart
-//! from how it is drawn ([`plot`]).
+//! from how it is drawn ([`plot`]). Those that stand beside what the paper prints are its tables: `prt tables` shows them alone.
 
+mod biclustering;
 mod clustered_pca;
 pub mod outcome;
+pub mod place;
 pub mod plot;
 pub mod setting;
 mod slf;
@@ -15,14 +17,16 @@ mod tensor;
 use crate::charts::curves::Curves;
 use crate::machine::Machine;
 use crate::measure::{Bench, Pools};
+use crate::tables::beside::Beside;
 use crate::timing::Budget;
 use crate::{cache, files, registry, terminal};
 use anyhow::ensure;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
+use place::Place;
 use prt_transfer::image::Picture;
 use prt_transfer::{Error, Result};
-use stage::{Meshes, Stage};
+use stage::{Chosen, Stage};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -30,8 +34,14 @@ use std::time::Duration;
 pub struct Paper {
     /// Its name on the command line.
     pub name: &'static str,
+    /// Its authors, year and subject.
+    pub source: &'static str,
     /// Its figures.
     pub figures: &'static [Figure],
+    /// Whether built-in scenes have the paper's sizes where nobody says otherwise.
+    pub is_full: bool,
+    /// The paper's names of scenes, where they and the methods can be chosen.
+    pub scenes: &'static [&'static str],
     /// What a reader must know before comparing.
     pub notes: &'static [&'static str],
 }
@@ -40,31 +50,34 @@ pub struct Paper {
 pub struct Figure {
     /// Its name on the command line and for files.
     pub name: &'static str,
+    /// What it shows beside what the paper prints; none for a figure of our own.
+    pub table: Option<&'static str>,
     /// Measures and draws it.
     pub draw: fn(&Stage) -> anyhow::Result<Drawing>,
 }
 
 /// What came out of a figure.
+#[derive(Default)]
 pub struct Drawing {
     /// For the terminal.
     pub text: String,
+    /// Ours beside the paper's.
+    pub beside: Vec<Beside>,
     /// The raw figures: what is added to the figure's name, and CSV.
     pub tables: Vec<(&'static str, Vec<u8>)>,
     /// The chart; none for a table.
     pub chart: Option<Curves>,
     /// Pictures: what is added to the figure's name, and pixels.
     pub pictures: Vec<(&'static str, Picture)>,
-    /// Whether anything could be measured.
+    /// Whether anything could be measured that is not in a table.
     pub measured: bool,
 }
 
 /// Every paper.
-pub static PAPERS: [Paper; 4] = [clustered_pca::PAPER, slf::PAPER, srbf::PAPER, tensor::PAPER];
+pub static PAPERS: [Paper; 5] = [biclustering::PAPER, clustered_pca::PAPER, slf::PAPER, srbf::PAPER, tensor::PAPER];
 
 /// Time for each relighting figure: short, since there are dozens; methods are timed in turn.
 const BUDGET: Duration = Duration::from_millis(20);
-/// Vertices of a built-in scene: enough for clusters as large as the papers', few enough for a minute or two.
-const VERTICES: u32 = 4000;
 
 /// Arguments of `prt figures`.
 #[derive(Args, Debug)]
@@ -75,15 +88,9 @@ pub struct Figures {
     /// Which paper's
     #[arg(value_name = "PAPER", value_parser = PossibleValuesParser::new(PAPERS.iter().map(|p| p.name)))]
     pub paper: String,
-    /// Folder of meshes (bunny_35k.ply, dragon_23k.ply, …) or, for srbf, of lights (.exr), with the paper's own settings; built-in scenes and lights and fewer settings where none is given
-    #[arg(long, value_name = "DIR", conflicts_with = "vertices")]
-    pub assets: Option<PathBuf>,
-    /// Built-in scenes and worlds at the papers' sizes; for slf tens of minutes of tracing
-    #[arg(long, conflicts_with_all = ["assets", "vertices"])]
-    pub full: bool,
-    /// Vertices of the built-in scenes, about
-    #[arg(long, value_name = "N", default_value_t = VERTICES, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub vertices: u32,
+    /// Where scenes and lights come from
+    #[command(flatten)]
+    pub place: Place,
     /// Only this figure; may be repeated
     #[arg(long = "figure", visible_alias = "figures", value_name = "FIGURE", value_delimiter = ',')]
     pub figures: Vec<String>,
@@ -92,38 +99,65 @@ pub struct Figures {
     pub out: PathBuf,
 }
 
+/// What to measure, and where.
+pub struct Request<'a> {
+    /// Of whom.
+    pub paper: &'static Paper,
+    /// Which figures of it.
+    pub figures: Vec<&'static Figure>,
+    /// On which meshes.
+    pub place: &'a Place,
+    /// Which scenes and methods of them.
+    pub chosen: Chosen,
+    /// The folder to write to.
+    pub out: &'a Path,
+    /// "All" threads.
+    pub threads: usize,
+}
+
 /// Runs the command.
 pub fn run(arguments: &Figures, threads: usize) -> anyhow::Result<()> {
-    let registry = registry::registry();
     let paper = find(&arguments.paper)?;
-    let figures = chosen(paper, &arguments.figures)?;
-    let meshes = match &arguments.assets {
-        Some(folder) => {
-            ensure!(folder.is_dir(), "there is no folder of assets {}", folder.display());
-            Meshes::Files(folder.clone())
-        }
-        None if arguments.full => Meshes::PaperSized,
-        None => Meshes::BuiltIn(arguments.vertices as usize),
-    };
-    let out = cache::make(arguments.out.clone())?;
-    let (machine, pools) = (Machine::here(threads), Pools::new(threads)?);
+    let figures = chosen(paper.figures.iter(), &arguments.figures)?;
+    let Figures { place, out, .. } = arguments;
+    let request = Request { paper, figures, place, chosen: Chosen::default(), out, threads };
+    let (machine, measured) = measure(&request, |drawing| {
+        let tables = drawing.beside.iter().map(Beside::terminal);
+        let text = Some(drawing.text.clone()).filter(|text| !text.is_empty());
+        text.into_iter().chain(tables).collect::<Vec<_>>().join("\n")
+    })?;
+    // One failed setting is a line with its reason; nothing but failures is a failure.
+    ensure!(measured, "no setting could be measured; {} says why", out.display());
+    let (notes, machine) = (paper.notes.join("\n"), machine.line());
+    terminal::say(format!("\n{notes}\n{machine}\nfigures as .csv, .svg and .png are in {}", out.display()))
+}
+
+/// Measures figures one after the other, writes each, and says of it what `told` makes of it. On which machine, and whether anything
+/// could be measured.
+pub fn measure(request: &Request, mut told: impl FnMut(&Drawing) -> String) -> anyhow::Result<(Machine, bool)> {
+    let Request { paper, figures, place, chosen, out, threads } = request;
+    let (registry, meshes) = (registry::registry(), place.meshes(paper)?);
+    let out = cache::make(out.to_path_buf())?;
+    let (machine, pools) = (Machine::here(*threads), Pools::new(*threads)?);
     let bench = Bench { registry: &registry, pools: &pools, budget: Budget::of(BUDGET) };
-    let stage = Stage::new(bench, machine, meshes);
+    let mut stage = Stage::new(bench, machine, meshes);
+    stage.chosen = chosen.clone();
     let mut measured = false;
     for figure in figures {
         let drawing = (figure.draw)(&stage)?;
         write(figure, &drawing, &out, &stage.machine)?;
-        stage.steps.suspend(|| terminal::say(&drawing.text))?;
-        measured |= drawing.measured;
+        stage.steps.suspend(|| terminal::say(told(&drawing)))?;
+        measured |= drawing.measured || drawing.beside.iter().any(Beside::is_measured);
     }
     stage.steps.finish();
-    // One failed setting is a line with its reason; nothing but failures is a failure.
-    ensure!(measured, "no setting could be measured; {} says why", out.display());
-    let (notes, machine) = (paper.notes.join("\n"), stage.machine.line());
-    terminal::say(format!("\n{notes}\n{machine}\nfigures as .csv, .svg and .png are in {}", out.display()))
+    Ok((stage.machine, measured))
 }
 
 fn write(figure: &Figure, drawing: &Drawing, out: &Path, machine: &Machine) -> anyhow::Result<()> {
+    for beside in &drawing.beside {
+        let path = out.join(format!("{}{}.csv", figure.name, beside.addition));
+        files::write_beside(&path, &beside.csv(machine)?)?;
+    }
     for (addition, csv) in &drawing.tables {
         files::write_beside(&out.join(format!("{}{addition}.csv", figure.name)), csv)?;
     }
@@ -138,7 +172,8 @@ fn write(figure: &Figure, drawing: &Drawing, out: &Path, machine: &Machine) -> a
     Ok(())
 }
 
-fn find(name: &str) -> Result<&'static Paper> {
+/// The paper of a name.
+pub fn find(name: &str) -> Result<&'static Paper> {
     let known = || PAPERS.iter().map(|p| p.name).collect::<Vec<_>>().join(", ");
     PAPERS.iter().find(|p| p.name == name).ok_or_else(|| Error::Unknown {
         what: "paper",
@@ -148,14 +183,15 @@ fn find(name: &str) -> Result<&'static Paper> {
 }
 
 /// The figures that were asked for; all of them where none was.
-fn chosen(paper: &'static Paper, names: &[String]) -> Result<Vec<&'static Figure>> {
+pub fn chosen(all: impl Iterator<Item = &'static Figure>, names: &[String]) -> Result<Vec<&'static Figure>> {
+    let all: Vec<&Figure> = all.collect();
     if names.is_empty() {
-        return Ok(paper.figures.iter().collect());
+        return Ok(all);
     }
-    let known = || paper.figures.iter().map(|f| f.name).collect::<Vec<_>>().join(", ");
+    let known = || all.iter().map(|f| f.name).collect::<Vec<_>>().join(", ");
     let find = |name: &String| {
         let unknown = || Error::Unknown { what: "figure", name: name.clone(), known: known() };
-        paper.figures.iter().find(|figure| figure.name == name).ok_or_else(unknown)
+        all.iter().copied().find(|figure| figure.name == name).ok_or_else(unknown)
     };
     names.iter().map(find).collect()
 }

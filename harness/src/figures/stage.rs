@@ -44,6 +44,15 @@ pub struct Subject {
     reference: Reference,
 }
 
+/// What the user chose, of papers that let scenes and methods be chosen.
+#[derive(Clone, Debug, Default)]
+pub struct Chosen {
+    /// Scenes by the paper's names; all where none is.
+    pub scenes: Vec<String>,
+    /// Labels; the usual ones where none is.
+    pub methods: Vec<String>,
+}
+
 /// Everything that is needed to measure a figure.
 pub struct Stage<'a> {
     /// What measures.
@@ -52,6 +61,8 @@ pub struct Stage<'a> {
     pub machine: Machine,
     /// Where progress is shown.
     pub steps: Steps,
+    /// Of scenes and methods.
+    pub chosen: Chosen,
     meshes: Meshes,
     known: RefCell<Vec<Rc<Subject>>>,
 }
@@ -59,7 +70,7 @@ pub struct Stage<'a> {
 impl<'a> Stage<'a> {
     /// With nothing computed yet.
     pub fn new(bench: Bench<'a>, machine: Machine, meshes: Meshes) -> Stage<'a> {
-        Stage { bench, machine, steps: Steps::new(0), meshes, known: RefCell::default() }
+        Stage { bench, machine, steps: Steps::new(0), chosen: Chosen::default(), meshes, known: RefCell::default() }
     }
 
     /// Whether meshes are about as large as the papers', so that their settings can be taken as they are.
@@ -82,15 +93,24 @@ impl<'a> Stage<'a> {
         if let Some(known) = self.known.borrow().iter().find(same) {
             return Ok(Rc::clone(known));
         }
-        self.steps.show(&scene);
-        let made = Computation::new(&scene, vertices, up, spec)?.matrix(&Quiet)?;
-        let about = About::of(&made.matrix, made.traced.rays, made.seconds);
-        let signal = spec.signal.to_string();
-        let row = about.describe(Row { scene, signal, ..Row::default() });
-        let reference = self.bench.pools.everywhere(|| Reference::new(made.matrix))?;
-        let subject = Rc::new(Subject { row, spec: spec.clone(), reference });
+        let subject = Rc::new(self.computed((scene, vertices, up), spec)?);
         self.known.borrow_mut().push(Rc::clone(&subject));
         Ok(subject)
+    }
+
+    /// A signal of a scene as [`Computation::new`] takes it; forgotten with the subject.
+    pub fn computed(&self, (scene, vertices, up): (String, Option<usize>, Up), spec: &Spec) -> anyhow::Result<Subject> {
+        self.steps.show(&scene);
+        let made = Computation::new(&scene, vertices, up, spec)?.matrix(&Quiet)?;
+        self.given(&scene, spec, made.matrix)
+    }
+
+    /// A matrix of a scene's signal.
+    pub fn given(&self, scene: &str, spec: &Spec, matrix: TransferMatrix) -> anyhow::Result<Subject> {
+        let row = Row { scene: scene.into(), signal: spec.signal.to_string(), ..Row::default() };
+        let row = About::of(&matrix, 0, 0.0).describe(row);
+        let reference = self.bench.pools.everywhere(|| Reference::new(matrix))?;
+        Ok(Subject { row, spec: spec.clone(), reference })
     }
 
     /// As [`Computation::new`] takes it.
@@ -115,8 +135,7 @@ impl<'a> Stage<'a> {
     pub fn measure(&self, subject: &Subject, curves: &[Curve]) -> anyhow::Result<Vec<Outcome>> {
         let settings = || curves.iter().enumerate().flat_map(|(i, curve)| curve.settings.iter().map(move |s| (i, s)));
         let methods: Vec<String> = settings().map(|(_, setting)| setting.method.clone()).collect();
-        self.steps.more(methods.len());
-        let rows = compare(&self.bench, &subject.row, &subject.reference, &methods, &self.steps)?;
+        let rows = self.rows(subject, &methods)?;
         let square = subject.reference.square();
         let outcomes = settings().zip(rows).map(|((curve, setting), row)| Outcome {
             curve,
@@ -125,6 +144,12 @@ impl<'a> Stage<'a> {
             square,
         });
         Ok(outcomes.collect())
+    }
+
+    /// Every method. What fails is a row with its reason.
+    pub fn rows(&self, subject: &Subject, methods: &[String]) -> anyhow::Result<Vec<Row>> {
+        self.steps.more(methods.len());
+        compare(&self.bench, &subject.row, &subject.reference, methods, &self.steps)
     }
 }
 
@@ -147,7 +172,16 @@ impl Subject {
     /// Scene, signal, basis and shape.
     pub fn title(&self) -> String {
         let Row { scene, signal, basis, samples, responses, lights, .. } = &self.row;
-        let scene = std::path::Path::new(scene).file_stem().map_or(scene.clone(), |stem| stem.display().to_string());
-        format!("{scene} · {signal} · {basis} · {samples} x {responses} x {lights}")
+        format!("{} · {signal} · {basis} · {samples} x {responses} x {lights}", title(scene))
     }
+
+    /// The scene's name for people.
+    pub fn name(&self) -> String {
+        title(&self.row.scene)
+    }
+}
+
+/// A scene's name for people: of a file its stem.
+pub fn title(scene: &str) -> String {
+    Path::new(scene).file_stem().map_or_else(|| scene.into(), |stem| stem.display().to_string())
 }

@@ -3,7 +3,7 @@
 use super::outcome::{self, COMPONENTS, MEMORY, NUMBERS, Outcome, RELIGHT};
 use super::plot::plot;
 use super::setting::{Curve, Setting, Size};
-use super::stage::Mesh;
+use super::stage::{Mesh, Meshes};
 use super::*;
 use crate::signal::{Signal, Spec};
 use prt_transfer::LightBasis;
@@ -107,11 +107,11 @@ fn a_smaller_scene_has_fewer_clusters_of_about_as_many_samples() {
 #[test]
 fn what_is_written_is_the_chart_and_its_figures() {
     let folder = tempfile::tempdir().unwrap();
-    let figure = Figure { name: "figure0", draw: |_| anyhow::bail!("not drawn here") };
+    let figure = Figure { name: "figure0", table: None, draw: |_| anyhow::bail!("not drawn here") };
     let outcomes: Vec<Outcome> = Vec::new();
     let chart = Some(plot(("t", "s".into(), None), &[], &outcomes, &[MEMORY], |_| String::new()));
     let tables = vec![("", b"a\n".to_vec()), ("-paper", b"b\n".to_vec())];
-    let drawing = Drawing { text: String::new(), tables, chart, pictures: Vec::new(), measured: false };
+    let drawing = Drawing { tables, chart, ..Drawing::default() };
     write(&figure, &drawing, folder.path(), &Machine::here(2)).unwrap();
     let file = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
     assert_eq!((file("figure0.csv"), file("figure0-paper.csv")), (b"a\n".to_vec(), b"b\n".to_vec()));
@@ -121,8 +121,8 @@ fn what_is_written_is_the_chart_and_its_figures() {
 #[test]
 fn names_are_those_of_the_paper_and_an_unknown_one_lists_them() {
     let paper = find("clustered-pca").unwrap();
-    let all: Vec<&str> = chosen(paper, &[]).unwrap().iter().map(|f| f.name).collect();
+    let all: Vec<&str> = chosen(paper.figures.iter(), &[]).unwrap().iter().map(|f| f.name).collect();
     assert_eq!(all, ["figure2", "figure3", "figure10", "table1"]);
-    let message = chosen(paper, &["figure7".into()]).err().map(|e| e.to_string()).unwrap_or_default();
+    let message = chosen(paper.figures.iter(), &["figure7".into()]).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(message.contains("'figure7'") && message.contains("figure2, figure3"), "{message}");
 }

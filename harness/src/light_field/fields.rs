@@ -2,6 +2,7 @@
 
 use super::compression::as_slf;
 use crate::files;
+use crate::operator::Operator;
 use crate::registry::registry;
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
@@ -12,7 +13,8 @@ use prt_transfer::scene::light_field::mirrored;
 use prt_transfer::scene::path::{PathTracer, Tally};
 use prt_transfer::scene::picture::{Shot, picture};
 use prt_transfer::scene::world::{SurfacePoint, World};
-use prt_transfer::{Compressed, LightBasis, Progress, ResponseBasis, Result};
+use prt_transfer::texels::Texels;
+use prt_transfer::{LightBasis, Progress, ResponseBasis, Result};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -23,7 +25,7 @@ pub struct Fields {
 }
 
 /// The field of one shape.
-struct Field {
+pub struct Field {
     of: Lookup,
     directions: Directions,
 }
@@ -37,26 +39,30 @@ impl Field {
     /// Of any method: what is not `slf` is decoded, for looking up needs single elements.
     fn read(path: &Path, interpolation: Interpolation) -> anyhow::Result<Field> {
         let compressed = files::read_prt(path, &registry())?;
-        let ResponseBasis::Radiance { texels, directions } = *compressed.responses() else {
-            bail!("{} holds {}, not radiance of texels", path.display(), compressed.responses());
+        let named = || format!("{} is no light field", path.display());
+        let Some(slf) = as_slf(&compressed)? else {
+            return Field::decoded(&compressed, interpolation).with_context(named);
         };
-        let LightBasis::LatLong { width, height } = *compressed.basis() else {
-            bail!("{} holds radiance by {}, not by a lat-long grid of directions", path.display(), compressed.basis());
-        };
-        let (sphere, named) = (Sphere { z: width, w: height }, || format!("{} is no light field", path.display()));
-        let of = match as_slf(&compressed)? {
-            Some(slf) => {
-                Lookup::Slf(Box::new(SurfaceLightField::new(texels, sphere, slf, interpolation).with_context(named)?))
-            }
-            None => {
-                let rows = decoded(&compressed).with_context(named)?;
-                Lookup::Rows(SurfaceLightField::new(texels, sphere, rows, interpolation).with_context(named)?)
-            }
-        };
-        Ok(Field { of, directions })
+        let (texels, sphere, directions) = parts(&compressed).with_context(named)?;
+        let field = SurfaceLightField::new(texels, sphere, slf, interpolation).with_context(named)?;
+        Ok(Field { of: Lookup::Slf(Box::new(field)), directions })
     }
 
-    fn radiance(&self, point: &SurfacePoint, view: Vec3) -> [f32; 3] {
+    /// Every element of a matrix, exact or compressed.
+    ///
+    /// # Errors
+    /// Rows that are not radiance of texels, columns that are not a lat-long grid.
+    pub fn decoded(matrix: &dyn Operator, interpolation: Interpolation) -> anyhow::Result<Field> {
+        let (texels, sphere, directions) = parts(matrix)?;
+        let shape = matrix.shape();
+        let mut values = vec![0f32; shape.rows() * shape.lights];
+        values.par_chunks_mut(shape.lights.max(1)).enumerate().for_each(|(row, out)| matrix.row_into(row, out));
+        let rows = Rows::new(values, shape)?;
+        Ok(Field { of: Lookup::Rows(SurfaceLightField::new(texels, sphere, rows, interpolation)?), directions })
+    }
+
+    /// Linear RGB that leaves a point towards a unit direction.
+    pub fn radiance(&self, point: &SurfacePoint, view: Vec3) -> [f32; 3] {
         let direction = match self.directions {
             Directions::World => view,
             Directions::Reflected => mirrored(view, point.normal),
@@ -67,6 +73,17 @@ impl Field {
             Lookup::Rows(field) => field.radiance(uv, direction),
         }
     }
+}
+
+/// What a field's rows and columns stand for.
+fn parts(matrix: &dyn Operator) -> anyhow::Result<(Texels, Sphere, Directions)> {
+    let ResponseBasis::Radiance { texels, directions } = *matrix.responses() else {
+        bail!("it holds {}, not radiance of texels", matrix.responses());
+    };
+    let LightBasis::LatLong { width, height } = *matrix.basis() else {
+        bail!("it holds radiance by {}, not by a lat-long grid of directions", matrix.basis());
+    };
+    Ok((texels, Sphere { z: width, w: height }, directions))
 }
 
 impl Fields {
@@ -100,14 +117,6 @@ impl Fields {
         };
         picture(tracer.world(), shot, radiance, progress)
     }
-}
-
-/// Every element.
-fn decoded(compressed: &Compressed) -> Result<Rows> {
-    let shape = compressed.shape();
-    let mut values = vec![0f32; shape.rows() * shape.lights];
-    values.par_chunks_mut(shape.lights.max(1)).enumerate().for_each(|(row, out)| compressed.row_into(row, out));
-    Rows::new(values, shape)
 }
 
 /// Radiance of a shape without a field: one path.

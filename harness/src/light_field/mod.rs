@@ -17,7 +17,7 @@ use arguments::of_shape;
 pub use arguments::{LightField, LookArguments, Paths};
 pub use compression::{Compression, Counts, as_slf, compressed};
 pub use csv::of as csv_of;
-pub use fields::Fields;
+pub use fields::{Field, Fields};
 use prt_transfer::responses::Directions;
 use prt_transfer::scene::light_field::{FieldParams, places};
 use prt_transfer::scene::path::PathTracer;

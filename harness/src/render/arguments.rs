@@ -1,5 +1,6 @@
 //! The command line of `prt render`.
 
+use crate::pictures::{AZIMUTH, ELEVATION, FIELD_OF_VIEW};
 use crate::precompute::{count, pair};
 use crate::scenes::Up;
 use crate::worlds;
@@ -110,8 +111,11 @@ pub struct Place {
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     pub elevation: Option<f64>,
     /// Degrees that the shorter side of the picture spans
-    #[arg(long, value_name = "DEGREES", default_value_t = 40.0)]
+    #[arg(long, value_name = "DEGREES", default_value_t = FIELD_OF_VIEW)]
     pub fov: f64,
+    /// Magnify the part of the picture that the scene fills
+    #[arg(long)]
+    pub crop: bool,
     /// Where the camera is, instead of angles
     #[arg(long, value_name = "X,Y,Z", requires = "target", conflicts_with_all = ["azimuth", "elevation"], allow_hyphen_values = true, value_parser = vector)]
     pub eye: Option<Vec3>,
@@ -141,16 +145,15 @@ pub enum Exposure {
 impl Render {
     /// The camera that is asked for.
     pub fn camera(&self, mesh: &Mesh) -> prt_transfer::Result<Camera> {
-        let Place { azimuth, elevation, fov, eye, target } = self.place;
+        let Place { azimuth, elevation, fov, crop, eye, target } = self.place;
         let [width, height] = self.size;
         let film = Film { width, height, field_of_view: fov };
-        if let Some((eye, target)) = eye.zip(target) {
-            return Camera::looking(eye, target, film);
-        }
-        match worlds::view(&self.scene).filter(|_| azimuth.is_none() && elevation.is_none()) {
-            Some([eye, target]) => Camera::looking(eye, target, film),
-            None => Camera::framing(mesh, azimuth.unwrap_or(30.0), elevation.unwrap_or(15.0), film),
-        }
+        let usual = || worlds::view(&self.scene).filter(|_| azimuth.is_none() && elevation.is_none());
+        let camera = match eye.zip(target).or_else(|| usual().map(Into::into)) {
+            Some((eye, target)) => Camera::looking(eye, target, film)?,
+            None => Camera::framing(mesh, azimuth.unwrap_or(AZIMUTH), elevation.unwrap_or(ELEVATION), film)?,
+        };
+        if crop { camera.cropped(&mesh.positions) } else { Ok(camera) }
     }
 }
 

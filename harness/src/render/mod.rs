@@ -4,6 +4,8 @@ mod arguments;
 mod world;
 
 use crate::files::{self, Description};
+use crate::operator::Operator;
+use crate::pictures::{Comparison, Errors, Original, SAMPLES, Scenery, fill_behind};
 use crate::progress::Bar;
 use crate::registry::registry;
 use crate::scenes::{self, Backdrop};
@@ -13,13 +15,11 @@ pub use arguments::{Background, Exposure, Place, Render};
 use glam::Vec3;
 use ndarray::Array2;
 use prt_transfer::image::{Image, Picture, Tone};
-use prt_transfer::scene::bvh::Occluders;
-use prt_transfer::scene::frames::{Frame, vertex_frames};
 use prt_transfer::scene::reference::Reference;
 use prt_transfer::scene::shading::Shading;
 use prt_transfer::scene::signal::Sampling;
 use prt_transfer::scene::view::View;
-use prt_transfer::{Error, LightBasis, Progress, ResponseBasis, Result, Shape};
+use prt_transfer::{Error, LightBasis, Progress, ResponseBasis, Result};
 use serde::Serialize;
 use std::path::Path;
 use std::time::Instant;
@@ -41,15 +41,6 @@ struct Rendered {
     /// What should not go unsaid.
     #[serde(skip_serializing_if = "Option::is_none")]
     note: Option<String>,
-}
-
-/// How far a picture is from another one; what is infinite is null.
-#[derive(Clone, Copy, Serialize)]
-struct Errors {
-    /// Of linear radiance.
-    relative_squared_error: f64,
-    /// Of the 8-bit pictures.
-    psnr_db: f64,
 }
 
 /// A picture before exposure.
@@ -82,8 +73,8 @@ pub fn run(arguments: &Render) -> anyhow::Result<()> {
     if let Background::Screen(colour) = arguments.background {
         fill_behind(&mut image, &coverage, colour.map(|c| c / stops.exp2() as f32));
     }
-    let beside = compared.as_ref().map(|reference| beside(arguments, &image, reference, &coverage, (stops, tone)));
-    let errors = beside.transpose()?;
+    let original = compared.map(|reference| Original::new(reference, stops, tone)).transpose()?;
+    let errors = original.map(|original| beside(arguments, &image, &original, &coverage)).transpose()?;
     match linear(&arguments.output)? {
         true => files::write_radiance(&arguments.output, &image)?,
         false => files::write_picture(&arguments.output, &image.develop(stops, tone))?,
@@ -96,26 +87,24 @@ pub fn run(arguments: &Render) -> anyhow::Result<()> {
 
 /// A mesh relit from a matrix, or traced in direct light.
 fn drawn(arguments: &Render, bar: &Bar) -> anyhow::Result<Drawn> {
-    let (mesh, _) = scenes::load(&arguments.scene, arguments.vertices, arguments.up)?;
-    let (occluders, frames) = (Occluders::new(&mesh)?, vertex_frames(&mesh)?);
+    let scenery = Scenery::new(scenes::load(&arguments.scene, arguments.vertices, arguments.up)?.0)?;
     if arguments.seed.is_some() {
         bail!("--seed belongs to paths: direct light of a mesh is sampled on a grid (--bounces traces paths)");
     }
-    let samples = arguments.samples.unwrap_or(if arguments.reference { 2 } else { 4 });
-    let camera = arguments.camera(&mesh)?;
+    let samples = arguments.samples.unwrap_or(if arguments.reference { 2 } else { SAMPLES });
+    let camera = arguments.camera(scenery.mesh())?;
     let began = Instant::now();
-    let view = View::cast(&mesh, &occluders, camera, samples, bar)?;
+    let view = scenery.view(camera, samples, bar)?;
     let backdrop: Backdrop = match arguments.background {
         Background::Light => scenes::backdrop(light(arguments))?,
         Background::Screen(_) => Box::new(|_| [0.0; 3]),
     };
     let image = match &arguments.matrix {
         Some(matrix) => {
-            let (shading, responses) = responses(arguments, matrix, frames.len())?;
-            let colours = shading.colours(&mesh.positions, &frames, view.camera().eye(), responses.view())?;
-            view.interpolate(&colours, backdrop)?
+            let (shading, responses) = responses(arguments, matrix, view.vertices())?;
+            scenery.image(&view, &shading, responses.view(), backdrop)?
         }
-        None => traced(arguments, &view, &frames, backdrop, bar)?,
+        None => traced(arguments, &scenery, &view, backdrop, bar)?,
     };
     Ok(Drawn { image, coverage: view.coverage(), picture_s: began.elapsed().as_secs_f64(), note: None })
 }
@@ -126,24 +115,17 @@ fn light(arguments: &Render) -> &str {
 }
 
 /// Errors against a picture, and the pictures that show them.
-fn beside(
-    arguments: &Render,
-    image: &Image,
-    reference: &Image,
-    coverage: &[f32],
-    (stops, tone): (f64, Tone),
-) -> anyhow::Result<Errors> {
-    let relative_squared_error = image.relative_squared_error(reference, coverage)?;
-    let psnr_db = image.psnr(reference, coverage, stops, tone)?;
-    let map = image.error_map(reference, coverage, stops)?;
+fn beside(arguments: &Render, image: &Image, original: &Original, coverage: &[f32]) -> anyhow::Result<Errors> {
+    let Comparison { errors, picture, .. } = original.compare(image, coverage)?;
+    let map = image.error_map(original.image(), coverage, original.exposure())?;
     if let Some(path) = &arguments.error_map {
         files::write_picture(path, &map)?;
     }
     if let Some(path) = &arguments.beside {
-        let row = [image.develop(stops, tone), reference.develop(stops, tone), map];
+        let row = [picture, original.picture().clone(), map];
         files::write_picture(path, &Picture::beside(&row))?;
     }
-    Ok(Errors { relative_squared_error, psnr_db })
+    Ok(errors)
 }
 
 /// Refuses options that would say nothing.
@@ -186,9 +168,9 @@ fn compared(path: &Path, size: [usize; 2]) -> Result<Image> {
 /// Responses of a matrix of `vertices` samples to the light, rows x 3, and what they make of a view.
 fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result<(Shading, Array2<f32>)> {
     let Render { scene, brdf, responses, basis, .. } = arguments;
-    let lit = |shape: Shape, columns: &LightBasis, rows: &ResponseBasis| -> anyhow::Result<(Shading, Array2<f32>)> {
-        let path = path.display();
-        Error::expect_size(format!("samples of {path}, one for each vertex of {scene}"), vertices, shape.samples)?;
+    let relit = |matrix: &dyn Operator, rows: &ResponseBasis| -> anyhow::Result<(Shading, Array2<f32>)> {
+        let (path, columns, samples) = (path.display(), matrix.basis(), matrix.shape().samples);
+        Error::expect_size(format!("samples of {path}, one for each vertex of {scene}"), vertices, samples)?;
         if let LightBasis::Plain { .. } = columns {
             bail!("{path} does not say what its columns stand for: give --basis");
         }
@@ -197,15 +179,11 @@ fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result
         }
         let shading = Shading::new(rows, brdf.as_ref())?;
         let light = rows.light(columns, scenes::light(light(arguments), columns)?)?;
-        Ok((shading, light))
+        Ok((shading, matrix.relit(light.view())?))
     };
-    let relit = |shape: Shape| Array2::zeros((shape.rows(), 3));
     if files::expect_extension(path, "prt").is_err() {
         let matrix = files::read_matrix(path, &Description { responses: responses.clone(), basis: basis.clone() })?;
-        let ((shading, light), mut out) =
-            (lit(matrix.shape(), matrix.basis(), matrix.responses())?, relit(matrix.shape()));
-        matrix.apply_into(light.view(), out.view_mut())?;
-        return Ok((shading, out));
+        return relit(&matrix, matrix.responses());
     }
     let compressed = files::read_prt(path, &registry())?;
     // A file that was encoded from a bare matrix may leave the meaning of rows open.
@@ -218,16 +196,14 @@ fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result
     if basis.as_ref().is_some_and(|given| given != compressed.basis()) {
         bail!("--basis belongs to a bare matrix: {} holds {}", path.display(), compressed.basis());
     }
-    let ((shading, light), mut out) = (lit(compressed.shape(), compressed.basis(), rows)?, relit(compressed.shape()));
-    compressed.apply_into(light.view(), out.view_mut())?;
-    Ok((shading, out))
+    relit(&compressed, rows)
 }
 
 /// The brute-force picture.
 fn traced(
     arguments: &Render,
+    scenery: &Scenery,
     view: &View,
-    frames: &[Frame],
     backdrop: Backdrop,
     progress: &dyn Progress,
 ) -> Result<Image> {
@@ -241,14 +217,8 @@ fn traced(
     };
     let sampling = Sampling { resolution, supersampling: arguments.supersampling.unwrap_or(usual.supersampling) };
     let light = scenes::light(light(arguments), &basis)?;
-    Reference { frames, sampling, light: light.view(), brdf: &reflectance }.image(view, backdrop, progress)
-}
-
-/// Adds a colour to what the surface leaves open of each pixel.
-fn fill_behind(image: &mut Image, coverage: &[f32], colour: [f32; 3]) {
-    for (pixel, covered) in image.pixels.iter_mut().zip(coverage) {
-        pixel.iter_mut().zip(colour).for_each(|(pixel, colour)| *pixel += (1.0 - covered) * colour);
-    }
+    let reference = Reference { surface: scenery.surface(), sampling, light: light.view(), brdf: &reflectance };
+    reference.image(view, backdrop, progress)
 }
 
 fn sentence(rendered: &Rendered) -> String {
@@ -257,9 +227,9 @@ fn sentence(rendered: &Rendered) -> String {
     let mut text = format!(
         "surface on {percent} % of the pixels, exposure {exposure:+.2} EV, rendered in {seconds} s, the picture alone in {alone} s"
     );
-    if let Some(Errors { relative_squared_error, psnr_db }) = errors {
-        let (error, psnr) = (number::short(*relative_squared_error), number::short(*psnr_db));
-        text += &format!("; relative squared error {error}, PSNR {psnr} dB");
+    if let Some(errors) = errors {
+        let [error, psnr, flip] = [errors.relative_squared_error, errors.psnr_db, errors.flip].map(number::short);
+        text += &format!("; relative squared error {error}, PSNR {psnr} dB, FLIP {flip}");
     }
     text + &note.as_ref().map_or(String::new(), |note| format!("\n{note}"))
 }

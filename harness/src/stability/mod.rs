@@ -14,11 +14,11 @@ pub mod vertices;
 
 use crate::cache::About;
 use crate::compare::compare;
+use crate::labels::BASELINE;
 use crate::machine::Machine;
 use crate::measure::{Bench, Pools, Reference};
 use crate::progress::Steps;
 use crate::row::Row;
-use crate::tables::quantity::BASELINE;
 use crate::timing::Budget;
 use crate::{cache, compute, files, labels, number, registry, terminal};
 use anyhow::ensure;

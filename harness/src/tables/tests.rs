@@ -1,95 +1,78 @@
-//! What the tables promise.
+//! What every table promises.
 
-use super::quantity::{OF_MATRIX, OF_METHOD};
-
+use super::beside::{Cell, Column, Line};
 use super::*;
-use crate::row::{Row, Status};
 
-fn every_scene() -> impl Iterator<Item = &'static PaperScene> {
-    PAPERS.iter().flat_map(|paper| paper.tables).flat_map(|table| table.scenes)
-}
-
-#[test]
-fn whatever_a_paper_prints_is_a_quantity_that_is_measured() {
-    for scene in every_scene() {
-        for (name, _) in scene.printed {
-            assert!(OF_MATRIX.iter().chain(&OF_METHOD).any(|q| q.name == *name), "{} prints {name}", scene.name);
-        }
+fn beside() -> Beside {
+    let cells = |a: f64, b: Cell| vec![Cell::from(a), b, Cell::Figure(7.0)];
+    let failed = |name: &str, method: &str| Line::ours(name, ("blob", method), Err("out of memory".into()));
+    Beside {
+        addition: "",
+        title: "Table 0".into(),
+        subjects: vec!["a blob".into()],
+        head: "model",
+        columns: vec![Column::bytes("file_bytes", "file"), Column::new("error", "error"), Column::whole("hidden", "")],
+        lines: vec![
+            Line::printed("bunny", cells(1_234_567.0, Cell::Printed(10_996.5))),
+            Line::ours("blob, csr", ("blob", "csr"), Ok(cells(999.0, Cell::from(0.012_345)))),
+            failed("blob, f16", "f16"),
+            failed("blob, f32", "f32"),
+            Line::ours("blob, dense", ("blob", "dense"), Ok(vec![Cell::Nothing, "none".into()])),
+        ],
+        why: "Another mesh.",
     }
 }
 
-/// A slip of the eye while copying a table would show here.
 #[test]
-fn the_printed_figures_agree_with_each_other_within_their_digits() {
-    let close = |a: f64, b: f64| (a - b).abs() <= 0.04 * b;
-    for scene in every_scene().filter(|scene| !scene.printed.is_empty()) {
-        let of = |name| scene.printed(name).unwrap();
-        let name = scene.name;
-        assert!(close(of("mflops"), 2.0 * of("nnz_millions")), "{name}");
-        assert!(close(of("computation_percent"), 100.0 * of("reduced_mflops") / of("mflops")), "{name}");
-        assert!(close(of("data_u8_percent"), 100.0 * of("resident_mb") / of("dense_u8_mb")), "{name}");
-        let directions = if name == "armor" { 144.0 } else { 64.0 };
-        // Table I gives the bunny 1,400 MB where 3,286 vertices have 1,292.
-        let bytes = of("vertices") * directions * 6144.0 / 1e6;
-        assert!((of("dense_u8_mb") - bytes).abs() < 0.09 * bytes, "{name}: {bytes}");
-    }
-}
-
-/// A scene with two finished methods and a failed one.
-fn survey(scene: &'static PaperScene) -> Survey {
-    let row = |method: &str, size: u64| Row {
-        method: method.into(),
-        status: Status::Ok,
-        samples: 10,
-        responses: 64,
-        lights: 6144,
-        non_zeros: 1_000_000,
-        resident_bytes: Some(size),
-        multiplications: Some(size / 8),
-        additions: Some(size / 8),
-        relight_1_ms: Some(size as f64 / 1e6),
-        error: Some(0.0),
-        ..Row::default()
+fn what_is_printed_keeps_its_digits_and_ours_stand_below_it() {
+    let text = beside().terminal();
+    let words = |start: &str| {
+        let line = text.lines().find(|line| line.starts_with(start)).unwrap_or_else(|| panic!("{start}: {text}"));
+        line[start.len()..].split_whitespace().map(String::from).collect::<Vec<_>>()
     };
-    let failed = Row { method: "f16".into(), samples: 10, ..Row::default() }.failed("out of memory");
-    Survey {
-        scene,
-        subject: Some("blob-10".into()),
-        rows: vec![row("csr", 2_000_000), row("compact", 4_000_000), failed],
-    }
+    assert_eq!(words("bunny, the paper's"), ["1.23", "MB", "10996.5"]);
+    assert_eq!(words("  blob, csr"), ["999", "B", "0.0123"]);
+    assert_eq!((words("  blob, f16"), words("  blob, dense")), (vec!["-".into(); 2], vec!["-".into(), "none".into()]));
+    assert!(text.starts_with("\nTable 0\na blob\n") && !text.contains('7'), "what programs alone read: {text}");
+    // The same subject for the same reason: once.
+    assert!(text.ends_with("\nblob, f16: out of memory\nAnother mesh."), "{text}");
 }
 
 #[test]
-fn percentages_stand_beside_the_paper_s_and_a_failure_gives_its_reason() {
-    let bunny = every_scene().find(|scene| scene.name == "bunny").unwrap();
-    let armor = every_scene().find(|scene| scene.name == "armor").unwrap();
-    let nowhere = Survey { scene: armor, subject: None, rows: vec![Row::default().failed("not published")] };
-    let (surveys, methods) = ([survey(bunny), nowhere], ["csr", "compact", "f16"].map(String::from));
-    let layout = Layout::new("Table I", &surveys, &methods);
+fn markdown_and_csv_have_every_line_and_csv_every_column_exactly() {
+    let (beside, machine) = (beside(), Machine::here(2));
+    let markdown = beside.markdown();
+    let bars: Vec<usize> = markdown.lines().filter(|l| l.starts_with('|')).map(|l| l.matches('|').count()).collect();
+    assert_eq!(bars, [4; 2 + 5], "{markdown}");
+    assert!(
+        markdown.contains("| **bunny, the paper's** | 1.23 MB |") && markdown.ends_with("Another mesh.\n"),
+        "{markdown}"
+    );
+    let csv = beside.csv(&machine).unwrap();
+    let mut reader = csv::Reader::from_reader(csv.as_slice());
+    let head = "source,subject,method,status,reason,file_bytes,error,hidden,machine";
+    assert_eq!(reader.headers().unwrap(), head.split(',').collect::<Vec<_>>());
+    let records: Vec<Vec<String>> = reader.deserialize().map(Result::unwrap).collect();
+    assert_eq!(records[0], ["paper", "bunny", "", "ok", "", "1234567", "10996.5", "7", ""]);
+    assert_eq!(records[1][..8], ["measured", "blob", "csr", "ok", "", "999", "0.012345", "7"]);
+    assert_eq!(records[2][..8], ["measured", "blob", "f16", "failed", "out of memory", "", "", ""]);
+    assert_eq!((records.len(), &records[1][8]), (5, &machine.line()));
+    assert!(beside.is_measured() && !Beside { lines: vec![beside.lines[0].clone()], ..beside }.is_measured());
+}
 
-    let text = layout.terminal();
-    assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
-    let line = |start: &str| {
-        let found =
-            text.lines().filter(|line| line.starts_with(start)).map(|line| line[start.len()..].split_whitespace());
-        found.map(|cells| cells.collect::<Vec<_>>()).collect::<Vec<_>>()
-    };
-    assert_eq!(line("computation, %")[0], ["25.0", "27.4", "33.9"]);
-    assert_eq!(line("data, % of dense at 1 B")[0], ["50.9", "1.70", "0.620"]);
-    assert_eq!(line("data, % of compact")[0], ["50.0", "-", "-"]);
-    assert_eq!(line("times as fast as compact")[0], ["2.00", "-", "-"]);
-    assert_eq!(line("computation, %")[2], ["-", "27.4", "33.9"]);
-    assert!(text.ends_with("blob-10, f16: out of memory\narmor: not published"), "{text}");
-
-    let markdown = layout.markdown();
-    let widths = markdown.lines().filter(|line| line.starts_with('|')).map(|line| line.matches('|').count());
-    assert!(widths.collect::<Vec<_>>().iter().all(|&bars| bars == 5), "{markdown}");
-
-    let csv = String::from_utf8(layout.csv(&Machine::here(2)).unwrap()).unwrap();
-    let mut reader = csv::Reader::from_reader(csv.as_bytes());
-    let column = |name: &str| csv.lines().next().unwrap().split(',').position(|c| c == name).unwrap();
-    let (ours, papers, reason) = (column("computation_percent"), column("paper_computation_percent"), column("reason"));
-    let rows: Vec<csv::StringRecord> = reader.records().map(|r| r.unwrap()).collect();
-    assert_eq!((rows.len(), &rows[0][ours], &rows[0][papers]), (4, "25", "27.4"));
-    assert_eq!((&rows[2][reason], &rows[3][reason], &rows[3][papers]), ("out of memory", "not published", "33.9"));
+#[test]
+fn every_table_of_every_paper_is_listed_and_no_chart_of_our_own() {
+    let list = list();
+    for (paper, expected) in [
+        ("biclustering", &["table1", "table2", "figure6"][..]),
+        ("clustered-pca", &["figure2", "figure3", "figure10", "table1"]),
+        ("slf", &["table1"]),
+        ("tensor", &["table1", "table2", "figure4", "figure5"]),
+    ] {
+        let paper = find(paper).unwrap();
+        let names: Vec<&str> = tables(paper).map(|figure| figure.name).collect();
+        assert_eq!(names, expected, "{}", paper.name);
+        assert!(tables(paper).all(|figure| list.contains(figure.table.unwrap())), "{list}");
+    }
+    assert!(!list.contains("bandwidth") && list.lines().all(|line| line.chars().count() <= 120), "{list}");
 }

@@ -25,3 +25,13 @@ pub(crate) fn difference(folder: &Path, a: &str, b: &str) -> f64 {
     let square = |values: ndarray::Array2<f32>| values.iter().map(|v| f64::from(*v).powi(2)).sum::<f64>();
     square(&a - &b) / square(b)
 }
+
+#[allow(dead_code, reason = "each file of tests is a crate of its own, and not all are refused")]
+/// The one sentence of a run that must fail with this code.
+pub(crate) fn refused(code: i32, arguments: &[&str], folder: &Path) -> String {
+    let output = prt(arguments, folder);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
+    assert_eq!(output.stdout, b"", "{arguments:?}");
+    errors
+}

@@ -50,7 +50,7 @@ impl Image {
         for i in some(covered(self.pixels.len(), coverage)?)? {
             let channels = self.pixels[i].iter().zip(&reference.pixels[i]);
             let squares: f64 = channels.map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum();
-            pixels[i] = heat((squares / 3.0).sqrt() * exposure.exp2());
+            pixels[i] = heat(1.0 + ((squares / 3.0).sqrt() * exposure.exp2()).log10() / DECADES);
         }
         Ok(Picture { width: self.width, height: self.height, pixels })
     }
@@ -82,13 +82,13 @@ impl Picture {
     }
 }
 
-fn same_size([width, height]: [usize; 2], [other_width, other_height]: [usize; 2]) -> Result<()> {
+pub(super) fn same_size([width, height]: [usize; 2], [other_width, other_height]: [usize; 2]) -> Result<()> {
     Error::expect_size("width of the image", other_width, width)?;
     Error::expect_size("height of the image", other_height, height)
 }
 
 /// The pixels, of which there must be one.
-fn some(pixels: impl Iterator<Item = usize>) -> Result<impl Iterator<Item = usize>> {
+pub(super) fn some(pixels: impl Iterator<Item = usize>) -> Result<impl Iterator<Item = usize>> {
     let mut pixels = pixels.peekable();
     match pixels.peek() {
         Some(_) => Ok(pixels),
@@ -100,10 +100,10 @@ fn some(pixels: impl Iterator<Item = usize>) -> Result<impl Iterator<Item = usiz
     }
 }
 
-/// The colour of an error: see [`Image::error_map`].
-fn heat(error: f64) -> [u8; 3] {
+/// The colour of a place from 0 to 1 on the way from black to pale yellow.
+pub(super) fn heat(place: f64) -> [u8; 3] {
     let steps = (HEAT.len() - 1) as f64;
-    let place = (steps * (1.0 + error.log10() / DECADES)).clamp(0.0, steps);
+    let place = (steps * place).clamp(0.0, steps);
     let low = (place as usize).min(HEAT.len() - 2);
     let mix = |c: usize| HEAT[low][c] + (place - low as f64) * (HEAT[low + 1][c] - HEAT[low][c]);
     [0, 1, 2].map(|c| mix(c).round() as u8)

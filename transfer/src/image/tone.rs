@@ -98,15 +98,15 @@ pub fn srgb(linear: f64) -> u8 {
     (255.0 * encoded).round() as u8
 }
 
+/// Linear light from 0 to 1 of an 8-bit sRGB code.
+pub fn linear(code: u8) -> f64 {
+    let c = f64::from(code) / 255.0;
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// IEC 61966-2-1, the other way.
-    fn linear(code: u8) -> f64 {
-        let c = f64::from(code) / 255.0;
-        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
-    }
 
     #[test]
     fn every_srgb_code_comes_back_from_its_light_and_none_is_skipped() {

@@ -5,6 +5,7 @@
 use super::{atomic, broken, bytes_of, extension, openexr, radiance, unknown_extension};
 use crate::error::{Error, Result};
 use crate::image::{Image, Picture};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The number of a sample's bits in a written `.exr`.
@@ -57,7 +58,7 @@ pub fn exr_bytes(image: &Image, precision: Precision) -> Result<Vec<u8>> {
     openexr::bytes(image, precision)
 }
 
-/// Writes a picture: PNG, 8 bits a channel, marked as sRGB.
+/// Writes a picture: PNG, 8 bits a channel or, of at most 256 colours, a palette; marked as sRGB.
 pub fn write_png(path: impl AsRef<Path>, picture: &Picture) -> Result<()> {
     let path = path.as_ref();
     let bytes = png_bytes(picture).map_err(|e| e.in_file(path))?;
@@ -72,16 +73,40 @@ pub fn png_bytes(picture: &Picture) -> Result<Vec<u8>> {
     let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, side(*width), side(*height));
-    encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let indexed = indexed(pixels);
+    match &indexed {
+        Some((colours, _)) => {
+            encoder.set_color(png::ColorType::Indexed);
+            encoder.set_palette(colours.as_flattened());
+            encoder.set_filter(png::Filter::NoFilter);
+        }
+        None => encoder.set_color(png::ColorType::Rgb),
+    }
+    let data = indexed.as_ref().map_or(pixels.as_flattened(), |(_, indices)| indices);
     let write = |encoder: png::Encoder<_>| {
         let mut writer = encoder.write_header()?;
-        writer.write_image_data(pixels.as_flattened())?;
+        writer.write_image_data(data)?;
         writer.finish()
     };
     write(encoder).map_err(|e| broken("png", "picture", "pixels that the format can hold", e.to_string()))?;
     Ok(bytes)
+}
+
+/// The colours of at most 256 and the one of each pixel; `None` of more.
+fn indexed(pixels: &[[u8; 3]]) -> Option<(Vec<[u8; 3]>, Vec<u8>)> {
+    let mut colours = BTreeSet::new();
+    for &pixel in pixels {
+        if colours.insert(pixel) && colours.len() > 256 {
+            return None;
+        }
+    }
+    let colours: Vec<[u8; 3]> = colours.into_iter().collect();
+    let index = |pixel| colours.partition_point(|colour| colour < pixel) as u8;
+    let indices = pixels.iter().map(index).collect();
+    Some((colours, indices))
 }
 
 /// Refuses a size that `length` bytes cannot mean: compression earns a factor of 1000, and 64 MiB come on top so that

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// Most pixels along a side of a picture.
 pub const MAX_SIDE: usize = 1 << 14;
@@ -85,6 +85,34 @@ impl Camera {
         Camera { eye, width, height, corner, right, down }
     }
 
+    /// The part of the picture that holds all points and a twentieth more of its larger side, magnified to as many pixels.
+    ///
+    /// # Errors
+    /// No point, points that are all in one place of the picture, and a point that is not in front of the camera.
+    pub fn cropped(&self, points: &[Vec3]) -> Result<Camera> {
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for &point in points {
+            let place = self.place(point).ok_or_else(|| refuse("crop", point, "in front of the camera"))?;
+            (low, high) = (low.min(place), high.max(place));
+        }
+        let film = DVec2::new(self.width as f64, self.height as f64);
+        let scale = ((high - low) / film).max_element() / 0.95;
+        if !(scale.is_finite() && scale > 0.0) {
+            return Err(refuse("crop", points.len(), "points at different places of the picture"));
+        }
+        let first = low.midpoint(high) - 0.5 * scale * film;
+        let corner = self.corner + first.x * self.right + first.y * self.down;
+        Ok(Camera { corner, right: scale * self.right, down: scale * self.down, ..*self })
+    }
+
+    /// Where a point is seen, in pixels from the top left corner: the inverse of [`Camera::ray`], by solving
+    /// `s (corner + x right + y down) = point - eye` with s > 0.
+    fn place(&self, point: Vec3) -> Option<DVec2> {
+        let axes = DMat3::from_cols(self.corner, self.right, self.down);
+        let solved = axes.inverse() * (point.as_dvec3() - self.eye);
+        (solved.x > 0.0).then(|| DVec2::new(solved.y, solved.z) / solved.x)
+    }
+
     /// Where the camera is.
     pub fn eye(&self) -> Vec3 {
         self.eye.as_vec3()
@@ -128,16 +156,7 @@ fn refuse(name: &str, value: impl ToString, expected: &str) -> Error {
 mod tests {
     use super::*;
     use crate::scene::shapes;
-    use glam::DMat3;
     use proptest::prelude::*;
-
-    /// Where a point appears: the inverse of [`Camera::ray`], by solving `s (corner + x right + y down) = point - eye`.
-    fn project(camera: &Camera, point: Vec3) -> [f64; 2] {
-        let solved =
-            DMat3::from_cols(camera.corner, camera.right, camera.down).inverse() * (point.as_dvec3() - camera.eye);
-        assert!(solved.x > 0.0, "in front of the camera");
-        [solved.y / solved.x, solved.z / solved.x]
-    }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(32))]
@@ -148,18 +167,29 @@ mod tests {
         ) {
             let film = Film { width, height, field_of_view };
             let sides = [width as f64, height as f64];
-            let extremes = |mesh: &Mesh| {
-                let camera = Camera::framing(mesh, azimuth, elevation, film).unwrap();
-                let places: Vec<_> = mesh.positions.iter().map(|&p| project(&camera, p)).collect();
+            let framing = |mesh: &Mesh| Camera::framing(mesh, azimuth, elevation, film).unwrap();
+            let extremes = |camera: &Camera, mesh: &Mesh| {
+                let places: Vec<_> = mesh.positions.iter().map(|&p| camera.place(p).unwrap().to_array()).collect();
                 [0, 1].map(|k| places.iter().fold([f64::MAX, f64::MIN], |[a, b], p| [a.min(p[k]), b.max(p[k])]))
             };
             for scene in shapes::all() {
-                for (k, [low, high]) in extremes(&scene.build(300).unwrap()).into_iter().enumerate() {
+                let mesh = scene.build(300).unwrap();
+                let camera = framing(&mesh);
+                for (k, [low, high]) in extremes(&camera, &mesh).into_iter().enumerate() {
                     prop_assert!(low > -1e-3 * sides[k] && high < 1.001 * sides[k], "{} {} {}", scene.name, low, high);
                 }
+                // Cropped, it fills nineteen twentieths of one side, around the middle, and of the other no more.
+                let cropped = camera.cropped(&mesh.positions).unwrap();
+                let filled = [0, 1].map(|k| {
+                    let [low, high] = extremes(&cropped, &mesh)[k].map(|place| place / sides[k]);
+                    assert!((low + high - 1.0).abs() < 1e-9, "{} {low} {high}", scene.name);
+                    high - low
+                });
+                prop_assert!((filled[0].max(filled[1]) - 0.95).abs() < 1e-9, "{} {:?}", scene.name, filled);
             }
             let shorter = usize::from(height < width);
-            let [low, high] = extremes(&shapes::sphere(24))[shorter];
+            let sphere = shapes::sphere(24);
+            let [low, high] = extremes(&framing(&sphere), &sphere)[shorter];
             prop_assert!(low < 0.02 * sides[shorter] && high > 0.98 * sides[shorter], "{} {}", low, high);
         }
     }
@@ -188,6 +218,23 @@ mod tests {
         assert!(above.ray(20.0, 0.0).y < -0.4 && above.ray(20.0, 10.0).z < -0.999_999);
         let down = Camera::looking(Vec3::Z, Vec3::ZERO, film).unwrap();
         assert!(down.ray(20.0, 0.0).y > 0.4);
+    }
+
+    #[test]
+    fn a_crop_sees_what_was_seen_there_before() {
+        let film = Film { width: 40, height: 20, field_of_view: 60.0 };
+        let camera = Camera::looking(Vec3::new(3.0, 1.0, 2.0), Vec3::ZERO, film).unwrap();
+        let points = [Vec3::ZERO, Vec3::new(0.3, 0.4, 0.5), Vec3::new(-0.2, 0.1, 0.0)];
+        let cropped = camera.cropped(&points).unwrap();
+        assert_eq!((cropped.eye(), cropped.width(), cropped.height()), (camera.eye(), 40, 20));
+        for point in points {
+            let place = cropped.place(point).unwrap();
+            let ray = cropped.ray(place.x, place.y);
+            assert!((ray - (point.as_dvec3() - camera.eye).normalize()).length() < 1e-9);
+        }
+        for points in [&[][..], &points[..1], &[Vec3::ZERO, Vec3::new(9.0, 3.0, 6.0)]] {
+            assert!(camera.cropped(points).unwrap_err().to_string().contains("crop"));
+        }
     }
 
     #[test]

@@ -62,6 +62,14 @@ impl Environment {
         Environment { background: Box::new(background), caps }
     }
 
+    /// The light turned about z by an angle in degrees, counter-clockwise seen from above.
+    pub fn turned(self, degrees: f64) -> Environment {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let turn = move |d: DVec3, sine: f64| DVec3::new(cosine * d.x - sine * d.y, sine * d.x + cosine * d.y, d.z);
+        let caps = self.caps.into_iter().map(|cap| Cap { centre: turn(cap.centre, sine), ..cap }).collect();
+        Environment::new(move |d| (self.background)(turn(d, -sine)), caps)
+    }
+
     /// The caps.
     pub fn caps(&self) -> &[Cap] {
         &self.caps
@@ -184,6 +192,21 @@ mod tests {
         let mean: DVec3 = directions.iter().sum::<DVec3>() / 5000.0;
         let expected = PI * cap.radius.sin().powi(2) / cap.solid_angle() * cap.centre;
         assert!((mean - expected).length() < 1e-4, "{mean} {expected}");
+    }
+
+    #[test]
+    fn a_turned_light_is_seen_in_turned_directions() {
+        let background = |d: DVec3| DVec3::new(2.0 + d.x, 2.0 - d.y, 2.0 + d.x * d.y * d.z);
+        let cap = Cap { centre: DVec3::new(0.0, 0.6, 0.8), radius: 0.1, radiance: [50.0; 3] };
+        let light = Environment::new(background, vec![cap]).turned(30.0);
+        let basis = LightBasis::Cubemap { resolution: 9 };
+        for d in basis.directions().unwrap().into_iter().map(DVec3::from) {
+            // Back by 30 degrees, as glam turns.
+            let before = glam::DQuat::from_rotation_z(-30f64.to_radians()) * d;
+            let expected = if cap.contains(before) { DVec3::splat(50.0) } else { background(before) };
+            let found = DVec3::from(light.radiance(d.to_array()).map(f64::from));
+            assert!((found - expected).length() < 1e-5, "{d} {found} {expected}");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::frames::Frame;
 use super::shading::towards;
-use super::signal::{Samples, Sampling, Visible};
+use super::signal::{Samples, Sampling, Surface, Visible};
 use super::view::{Seen, View};
 use crate::basis::{Direction, LightBasis};
 use crate::error::{Error, Result};
@@ -23,8 +23,8 @@ pub type Reflectance<'a> = dyn Fn(Vec3, Vec3) -> f32 + Sync + 'a;
 /// matrix. Both have the shadow terminator of interpolated normals: where a face leans away from n, it hides directions
 /// just above n's horizon.
 pub struct Reference<'a> {
-    /// Vertex frames; they are interpolated, for BRDFs that depend on the tangent.
-    pub frames: &'a [Frame],
+    /// The vertices that the view sees, and what casts shadows on them. Their frames are interpolated, for BRDFs that depend on the tangent.
+    pub surface: Surface<'a>,
     /// How visibility is sampled.
     pub sampling: Sampling,
     /// Linear RGB radiance of each texel of the cubemap of the sampling's resolution: texels x 3.
@@ -38,7 +38,7 @@ impl Reference<'_> {
     /// pixel is shaded by itself; the result is the same on any number of threads.
     ///
     /// # Errors
-    /// Frames that are not one a vertex, a sampling out of range, a light that is not texels x 3 or not finite (row =
+    /// Points or frames that are not one a vertex, a sampling out of range, a light that is not texels x 3 or not finite (row =
     /// texel), and a BRDF or background that is not finite, with its pixel.
     pub fn image(
         &self,
@@ -46,7 +46,8 @@ impl Reference<'_> {
         background: impl Fn(Direction) -> [f32; 3] + Sync,
         progress: &dyn Progress,
     ) -> Result<Image> {
-        Error::expect_size("frames, one for each vertex", view.mesh().positions.len(), self.frames.len())?;
+        Error::expect_size("points, one for each vertex", view.vertices(), self.surface.points.len())?;
+        Error::expect_size("frames, one for each vertex", view.vertices(), self.surface.frames.len())?;
         let samples = self.sampling.samples()?;
         let energy = self.energy(&samples)?;
         let surface = |seen: &Seen| Ok(self.radiance(view, seen, &samples, &energy));
@@ -71,11 +72,12 @@ impl Reference<'_> {
 
     /// Exit radiance of one point towards the eye.
     fn radiance(&self, view: &View, seen: &Seen, samples: &Samples, energy: &[[f64; 3]]) -> [f32; 3] {
-        let frame = Frame::interpolated(view.corners(seen, self.frames), seen.weights);
-        let point = seen.mix(view.corners(seen, &view.mesh().positions));
+        let Surface { occluders, points, frames } = self.surface;
+        let frame = Frame::interpolated(view.corners(seen, frames), seen.weights);
+        let point = seen.mix(view.corners(seen, points));
         let out = towards(&frame, view.camera().eye() - point);
         let mut masks = vec![0; samples.directions().tiles()];
-        view.occluders().visible(point, frame.normal, samples.directions(), &mut masks);
+        occluders.visible(point, frame.normal, samples.directions(), &mut masks);
         let mut sum = [0f64; 3];
         for lane in (Visible { masks: &masks }).lanes() {
             let local = frame.to_local(samples.lanes()[lane].direction);

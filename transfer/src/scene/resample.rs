@@ -72,6 +72,24 @@ pub fn lookup(image: &Image, [x, y, z]: Direction) -> [f32; 3] {
     [0, 1, 2].map(|c| (along(0, c) + v * (along(1, c) - along(0, c))) as f32)
 }
 
+/// A lat-long image turned about z by an angle in degrees, counter-clockwise seen from above. Each pixel is the mean of what the turned image
+/// of constant pixels has there: no energy is lost.
+///
+/// # Panics
+/// For an image of other than width x height pixels.
+pub fn turned(image: &Image, degrees: f64) -> Image {
+    let Image { width, height, .. } = *image;
+    // Longitude grows to the left: what is so many pixels to the right comes here.
+    let by = (degrees / 360.0).rem_euclid(1.0) * width as f64;
+    let (whole, part) = (by as usize, by.fract() as f32);
+    let pixel = |i: usize| {
+        let (row, column) = (i / width * width, i % width + whole);
+        let [near, far] = [column, column + 1].map(|column| image.pixels[row + column % width]);
+        [0, 1, 2].map(|c| (1.0 - part) * near[c] + part * far[c])
+    };
+    Image { width, height, pixels: (0..width * height).map(pixel).collect() }
+}
+
 /// Exact: a texel overlaps a pixel in an interval of longitude times an interval of z.
 fn to_latlong(image: &Image, width: usize, height: usize) -> Array2<f32> {
     let z = |t: f64| (PI * t).cos();
@@ -232,6 +250,28 @@ mod tests {
         for d in directions.into_iter().chain(poles) {
             assert!((lookup(&image, d)[0] - value(d)).abs() < 0.02 && lookup(&image, d)[1..] == [1.0, 0.0], "{d:?}");
         }
+    }
+
+    #[test]
+    fn a_turned_image_is_the_image_in_turned_directions_and_a_whole_turn_is_none() {
+        let value = |d: Direction| (2.0 + d[0] - 0.5 * d[1] + 0.7 * d[2]) as f32;
+        let basis = LightBasis::LatLong { width: 256, height: 128 };
+        let directions = basis.directions().unwrap();
+        let pixels = directions.iter().map(|&d| [value(d), 1.0, 0.0]).collect();
+        let image = Image { width: 256, height: 128, pixels };
+        for degrees in [0.0f64, 2.0, 45.0, 133.7, -20.0] {
+            let (sine, cosine) = degrees.to_radians().sin_cos();
+            for (d, pixel) in directions.iter().zip(turned(&image, degrees).pixels) {
+                let before = [cosine * d[0] + sine * d[1], cosine * d[1] - sine * d[0], d[2]];
+                assert!((pixel[0] - value(before)).abs() < 1e-3 && pixel[1..] == [1.0, 0.0], "{degrees} {d:?}");
+            }
+        }
+        for degrees in [0.0, 360.0, -720.0] {
+            assert_eq!(turned(&image, degrees), image);
+        }
+        // One column is 360/256 degrees: the last one comes to the front when the light turns clockwise.
+        let by_one = turned(&image, -360.0 / 256.0);
+        assert_eq!((by_one.pixels[0], by_one.pixels[1]), (image.pixels[255], image.pixels[0]));
     }
 
     #[test]

@@ -23,6 +23,7 @@ crate::params! {
 }
 
 /// Surface points that transfer is computed at: vertices of a mesh.
+#[derive(Clone, Copy)]
 pub struct Surface<'a> {
     /// What casts shadows.
     pub occluders: &'a Occluders,

@@ -34,9 +34,10 @@ impl Seen {
 
 /// What the samples of every pixel see of a mesh: the nearest point, from either side. A pixel is the mean of its
 /// samples, which lie on a regular grid (a box filter); where one meets nothing, it sees the background.
-pub struct View<'a> {
-    mesh: &'a Mesh,
-    occluders: &'a Occluders,
+pub struct View {
+    /// Those of the mesh, and how many vertices they are made of.
+    faces: Vec<[u32; 3]>,
+    vertices: usize,
     camera: Camera,
     /// Samples along an edge of a pixel.
     samples: usize,
@@ -44,7 +45,7 @@ pub struct View<'a> {
     seen: Vec<Option<Seen>>,
 }
 
-impl<'a> View<'a> {
+impl View {
     /// Casts `samples` x `samples` rays through every pixel, from 1 to [`MAX_SAMPLES`]; `occluders` are those of the
     /// mesh. The result is the same on any number of threads.
     ///
@@ -52,12 +53,12 @@ impl<'a> View<'a> {
     /// A number of samples out of range, a mesh that fails [`Mesh::check`], and occluders of another mesh where that
     /// shows.
     pub fn cast(
-        mesh: &'a Mesh,
-        occluders: &'a Occluders,
+        mesh: &Mesh,
+        occluders: &Occluders,
         camera: Camera,
         samples: usize,
         progress: &dyn Progress,
-    ) -> Result<View<'a>> {
+    ) -> Result<View> {
         mesh.check()?;
         if !(1..=MAX_SAMPLES).contains(&samples) {
             return Err(Error::Parameter {
@@ -72,12 +73,13 @@ impl<'a> View<'a> {
         if found > limit {
             return Err(Error::TooLarge { what: "samples of a picture (width x height x n x n)".into(), limit, found });
         }
-        let mut view = View { mesh, occluders, camera, samples, seen: Vec::new() };
+        let (faces, vertices) = (mesh.faces.clone(), mesh.positions.len());
+        let mut view = View { faces, vertices, camera, samples, seen: Vec::new() };
         let mut seen = vec![None; view.camera.height() * row];
         progress.start("view", seen.len() as u64);
         seen.par_chunks_mut(row).enumerate().try_for_each(|(y, row)| {
             for (i, seen) in row.iter_mut().enumerate() {
-                *seen = view.nearest(view.direction(y * view.camera.width() * samples * samples + i))?;
+                *seen = view.nearest(occluders, view.direction(y * view.camera.width() * samples * samples + i))?;
             }
             progress.advance(row.len() as u64)
         })?;
@@ -86,13 +88,13 @@ impl<'a> View<'a> {
     }
 
     /// The nearest point along a direction from the eye.
-    fn nearest(&self, direction: Direction) -> Result<Option<Seen>> {
+    fn nearest(&self, occluders: &Occluders, direction: Direction) -> Result<Option<Seen>> {
         let direction = Vec3::from_array(direction.map(|c| c as f32));
-        let Some(hit) = self.occluders.nearest(self.camera.eye(), direction) else { return Ok(None) };
-        if hit.face as usize >= self.mesh.faces.len() {
+        let Some(hit) = occluders.nearest(self.camera.eye(), direction) else { return Ok(None) };
+        if hit.face as usize >= self.faces.len() {
             return Err(Error::Unsupported {
                 what: "view: occluders".into(),
-                expected: format!("those of the mesh, of {} faces", self.mesh.faces.len()),
+                expected: format!("those of the mesh, of {} faces", self.faces.len()),
                 found: format!("a hit of face {}", hit.face),
             });
         }
@@ -107,14 +109,9 @@ impl<'a> View<'a> {
         self.camera.ray(place(pixel % width, within % n), place(pixel / width, within / n)).to_array()
     }
 
-    /// The mesh that is seen.
-    pub fn mesh(&self) -> &'a Mesh {
-        self.mesh
-    }
-
-    /// What casts shadows on it.
-    pub fn occluders(&self) -> &'a Occluders {
-        self.occluders
+    /// Vertices of the mesh that is seen.
+    pub fn vertices(&self) -> usize {
+        self.vertices
     }
 
     /// Who sees it.
@@ -130,7 +127,7 @@ impl<'a> View<'a> {
 
     /// The values of a point's three corners, out of one for each vertex.
     pub fn corners<T: Copy>(&self, seen: &Seen, of_vertices: &[T]) -> [T; 3] {
-        self.mesh.faces[seen.face as usize].map(|vertex| of_vertices[vertex as usize])
+        self.faces[seen.face as usize].map(|vertex| of_vertices[vertex as usize])
     }
 
     /// The image of linear RGB radiance at the vertices, interpolated over the faces (Gouraud), before `background`,
@@ -144,7 +141,7 @@ impl<'a> View<'a> {
         colours: &[[f32; 3]],
         background: impl Fn(Direction) -> [f32; 3] + Sync,
     ) -> Result<Image> {
-        Error::expect_size("colours, one for each vertex", self.mesh.positions.len(), colours.len())?;
+        Error::expect_size("colours, one for each vertex", self.vertices, colours.len())?;
         for (row, colour) in colours.iter().enumerate() {
             if let Some(col) = colour.iter().position(|c| !c.is_finite()) {
                 return Err(Error::NotFinite { row, col, value: f64::from(colour[col]) });

@@ -29,17 +29,23 @@ fn a_written_exr_reads_back() {
 
 #[test]
 fn a_written_png_is_decoded_to_the_same_pixels_and_is_srgb() {
-    let pixels = (0..37 * 21).map(|i| [i % 256, (7 * i + 3) % 256, 255 - i % 256].map(|c| c as u8)).collect();
-    let picture = Picture { width: 37, height: 21, pixels };
-    let folder = folder();
-    let path = folder.path().join("picture.png");
-    image::write_png(&path, &picture).unwrap();
-    let mut reader = png::Decoder::new(Cursor::new(std::fs::read(&path).unwrap())).read_info().unwrap();
-    assert!(reader.info().srgb.is_some());
-    let mut decoded = vec![0; reader.output_buffer_size().unwrap()];
-    let frame = reader.next_frame(&mut decoded).unwrap();
-    assert_eq!((frame.width, frame.height, frame.color_type), (37, 21, png::ColorType::Rgb));
-    assert_eq!(decoded, picture.pixels.as_flattened());
+    // Of few colours there is a palette.
+    for (colours, kind) in [(777, png::ColorType::Rgb), (256, png::ColorType::Indexed), (1, png::ColorType::Indexed)] {
+        let pixels = (0..37 * 21).map(|i| i % colours).map(|i| [i, i / 3, 255 - i % 256].map(|c| c as u8)).collect();
+        let picture = Picture { width: 37, height: 21, pixels };
+        let folder = folder();
+        let path = folder.path().join("picture.png");
+        image::write_png(&path, &picture).unwrap();
+        let mut decoder = png::Decoder::new(Cursor::new(std::fs::read(&path).unwrap()));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().unwrap();
+        assert_eq!((reader.info().color_type, reader.info().srgb), (kind, Some(png::SrgbRenderingIntent::Perceptual)));
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let frame = reader.next_frame(&mut pixels).unwrap();
+        assert_eq!((frame.width, frame.height, frame.color_type), (37, 21, png::ColorType::Rgb));
+        assert_eq!(pixels, picture.pixels.as_flattened());
+    }
+    let picture = Picture { width: 37, height: 21, pixels: vec![[1; 3]; 777] };
     names(png_bytes(&Picture { width: 0, height: 3, pixels: Vec::new() }), "picture");
     names(png_bytes(&Picture { width: 3, ..picture }), "expected 63, found 777");
 }

@@ -1,7 +1,7 @@
 //! Figures 10 and 11: components of all samples, vector quantisation and clustered components on a glossy signal.
 
 use super::matched;
-use super::{ANISOTROPIC, BIRD, CLUSTERS, cpca, glossy, pca, uncompressed, vq};
+use super::{ANISOTROPIC, BIRD, BUDDHA, CLUSTERS, cpca, glossy, pca, uncompressed, vq};
 use crate::charts::curves::Curves;
 use crate::figures::outcome::{self, ENCODE, MEMORY, Outcome, RELIGHT};
 use crate::figures::plot::plot;
@@ -10,7 +10,11 @@ use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
 use prt_cpca::Mode;
 
-pub(super) const FIGURE: Figure = Figure { name: "figure10", draw };
+pub(super) const FIGURE: Figure = Figure {
+    name: "figure10",
+    table: Some("Figures 10 and 11: PCA, VQ and clustered PCA at equal time and equal bytes, and over components"),
+    draw,
+};
 
 const TITLE: &str = "Figures 10 and 11: PCA, VQ and clustered PCA (Sloan et al. 2003)";
 /// Figures 10 and 11 have 20 for PCA, and 2, 4, 8, 12 for CPCA.
@@ -24,17 +28,24 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let samples = subject.samples();
     let curves = curves(samples, stage.clusters(CLUSTERS, &BIRD, samples));
     let outcomes = stage.measure(&subject, &curves)?;
-    let beside = matched::beside(&curves, &outcomes);
-    Ok(Drawing {
-        text: [outcome::table(TITLE, &subject, &outcomes), matched::table(&beside)].join("\n"),
-        tables: vec![
-            ("", outcome::csv(&curves, &outcomes, &stage.machine)?),
-            ("-paper", matched::csv(&beside, &stage.machine)?),
-        ],
-        chart: Some(chart(subject.title(), &curves, &outcomes)),
-        pictures: Vec::new(),
-        measured: outcomes.iter().any(|o| o.row.is_ok()),
-    })
+    let (title, csv) = (subject.title(), outcome::csv(&curves, &outcomes, &stage.machine)?);
+    let text = outcome::table(TITLE, &subject, &outcomes);
+    let chart = chart(subject.title(), &curves, &outcomes);
+    let ten = matched::figure10(title.clone(), &curves, &outcomes);
+    let measured = outcomes.iter().any(|o| o.row.is_ok());
+    let models = [buddha(stage).map_err(|error| format!("{error:#}")), Ok((title, curves, outcomes))];
+    let beside = vec![ten, matched::figure11(&models)];
+    Ok(Drawing { text, beside, tables: vec![("", csv)], chart: Some(chart), measured, ..Drawing::default() })
+}
+
+/// The bumpier model of Figure 11, which has clustered PCA alone.
+fn buddha(stage: &Stage) -> anyhow::Result<(String, Vec<Curve>, Vec<Outcome>)> {
+    let subject = stage.subject(&BUDDHA, &glossy(ANISOTROPIC, 24))?;
+    let samples = subject.samples();
+    let curves = curves(samples, stage.clusters(CLUSTERS, &BUDDHA, samples));
+    let only: Vec<Curve> = curves.into_iter().filter(|curve| curve.name == "CPCA").collect();
+    let outcomes = stage.measure(&subject, &only)?;
+    Ok((subject.title(), only, outcomes))
 }
 
 pub(super) fn chart(subject: String, curves: &[Curve], outcomes: &[Outcome]) -> Curves {

@@ -1,6 +1,6 @@
 //! Figure 2: squared error against storage, static components, a curve for each number of components.
 
-use super::{BIRD, CLUSTERS, cpca, diffuse, uncompressed, vq};
+use super::{BIRD, CLUSTERS, claims, cpca, diffuse, uncompressed, vq};
 use crate::charts::curves::Curves;
 use crate::figures::outcome::{self, MEMORY, NUMBERS, Outcome, RELIGHT};
 use crate::figures::plot::plot;
@@ -9,7 +9,11 @@ use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
 use prt_cpca::Mode;
 
-pub(super) const FIGURE: Figure = Figure { name: "figure2", draw };
+pub(super) const FIGURE: Figure = Figure {
+    name: "figure2",
+    table: Some("Figure 2: clusters and components, static, at equal numbers, bytes and time"),
+    draw,
+};
 
 const TITLE: &str = "Figure 2: clusters and components, static (Sloan et al. 2003)";
 /// n' of each curve.
@@ -25,10 +29,11 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let outcomes = stage.measure(&subject, &curves)?;
     Ok(Drawing {
         text: outcome::table(TITLE, &subject, &outcomes),
+        beside: vec![claims::figure2(subject.title(), &curves, &outcomes)],
         tables: vec![("", outcome::csv(&curves, &outcomes, &stage.machine)?)],
         chart: Some(chart(subject.title(), &curves, &outcomes)),
-        pictures: Vec::new(),
         measured: outcomes.iter().any(|o| o.row.is_ok()),
+        ..Drawing::default()
     })
 }
 

@@ -1,6 +1,6 @@
 //! Figure 3: error against the number of components, for each way of finding clusters.
 
-use super::{BIRD, CLUSTERS, adaptive_by_the_paper, cpca, diffuse, uncompressed};
+use super::{BIRD, CLUSTERS, adaptive_by_the_paper, claims, cpca, diffuse, uncompressed};
 use crate::charts::curves::Curves;
 use crate::figures::outcome::{self, COMPONENTS, MEMORY, Outcome, RELIGHT};
 use crate::figures::plot::plot;
@@ -9,7 +9,11 @@ use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
 use prt_cpca::Mode;
 
-pub(super) const FIGURE: Figure = Figure { name: "figure3", draw };
+pub(super) const FIGURE: Figure = Figure {
+    name: "figure3",
+    table: Some("Figure 3: what iterative and adaptive clusters are worth in components"),
+    draw,
+};
 
 const TITLE: &str = "Figure 3: static, iterative and adaptive (Sloan et al. 2003)";
 
@@ -20,10 +24,11 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let outcomes = stage.measure(&subject, &curves)?;
     Ok(Drawing {
         text: outcome::table(TITLE, &subject, &outcomes),
+        beside: vec![claims::figure3(subject.title(), &curves, &outcomes)],
         tables: vec![("", outcome::csv(&curves, &outcomes, &stage.machine)?)],
         chart: Some(chart(subject.title(), &curves, &outcomes)),
-        pictures: Vec::new(),
         measured: outcomes.iter().any(|o| o.row.is_ok()),
+        ..Drawing::default()
     })
 }
 

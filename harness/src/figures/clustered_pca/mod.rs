@@ -1,5 +1,6 @@
 //! Sloan, Hall, Hart and Snyder 2003: clustered principal components for precomputed radiance transfer.
 
+mod claims;
 mod figure10;
 mod figure2;
 mod figure3;
@@ -17,15 +18,21 @@ use prt_transfer::LightBasis;
 /// Figures 2, 3, 10 and 11, and Table 1.
 pub(super) const PAPER: Paper = Paper {
     name: "clustered-pca",
+    source: "Sloan et al. 2003: clustered principal components",
     figures: &[figure2::FIGURE, figure3::FIGURE, figure10::FIGURE, table1::FIGURE],
+    is_full: false,
+    scenes: &[],
     notes: &[
-        "The paper's meshes were not published: SE, a sum over all vertices, is comparable as a ratio between methods only.",
-        "It rendered on a graphics card of 2003 and encoded on a 2.2 GHz Pentium 4; relighting here is the product alone, on one thread.",
+        "The paper's meshes were not published: SE, a sum over all vertices, is comparable as a ratio between methods only. It rendered on a",
+        "graphics card of 2003 and encoded on a 2.2 GHz Pentium 4; relighting here is the product alone, on one thread.",
     ],
 };
 
 /// The paper's bird statue.
 const BIRD: Mesh = Mesh { file: Some("bunny_35k.ply"), built_in: "blob", vertices: 48_688 };
+
+/// The paper's Buddha, bumpier than the bird.
+const BUDDHA: Mesh = Mesh { file: Some("dragon_23k.ply"), built_in: "bumpy-sphere", vertices: 49_990 };
 
 /// The clusters of most of its figures.
 const CLUSTERS: usize = 256;

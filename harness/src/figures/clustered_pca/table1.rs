@@ -1,7 +1,7 @@
 //! Table 1: encoding time and error of static and iterative components, for each of the paper's models.
 
-use super::table1_layout::{csv, text};
-use super::{ANISOTROPIC, BIRD, ISOTROPIC, cpca, diffuse, glossy};
+use super::table1_layout::beside;
+use super::{ANISOTROPIC, BIRD, BUDDHA, ISOTROPIC, cpca, diffuse, glossy};
 use crate::figures::outcome::Outcome;
 use crate::figures::setting::Curve;
 use crate::figures::stage::{Mesh, Stage};
@@ -9,9 +9,8 @@ use crate::figures::{Drawing, Figure};
 use crate::signal::Spec;
 use prt_cpca::Mode;
 
-pub(super) const FIGURE: Figure = Figure { name: "table1", draw };
-
-pub(super) const TITLE: &str = "Table 1: static and iterative encoding (Sloan et al. 2003)";
+pub(super) const FIGURE: Figure =
+    Figure { name: "table1", table: Some("Table 1: time and error of static and iterative encoding"), draw };
 
 /// A line of the paper's table.
 pub(super) struct Line {
@@ -46,7 +45,6 @@ pub(super) struct Measured {
     pub(super) outcomes: Vec<Outcome>,
 }
 
-const BUDDHA: Mesh = Mesh { file: Some("dragon_23k.ply"), built_in: "bumpy-sphere", vertices: 49_990 };
 const HEAD: Mesh = Mesh { file: Some("bust_19k.ply"), built_in: "teapot", vertices: 50_060 };
 const POLYGONS: Mesh = Mesh { file: None, built_in: "two-polygons", vertices: 58_624 };
 
@@ -131,13 +129,7 @@ const fn at(minutes: u32, seconds: u32, error: f64) -> Printed {
 
 fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let lines = LINES.iter().map(|line| measured(stage, line)).collect::<anyhow::Result<Vec<Measured>>>()?;
-    Ok(Drawing {
-        text: text(&lines),
-        tables: vec![("", csv(&lines, &stage.machine)?)],
-        chart: None,
-        pictures: Vec::new(),
-        measured: lines.iter().flat_map(|line| &line.outcomes).any(|o| o.row.is_ok()),
-    })
+    Ok(Drawing { beside: vec![beside(&lines)], ..Drawing::default() })
 }
 
 fn measured(stage: &Stage, line: &'static Line) -> anyhow::Result<Measured> {

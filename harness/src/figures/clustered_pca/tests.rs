@@ -1,11 +1,13 @@
 //! What the data of the paper's figures promise.
 
-use super::matched::at_cost;
+use super::claims::{components_for, crossing};
+use super::matched::{FIGURE_10, FIGURE_11, at_cost};
 use super::table1::{LINES, curve};
 use super::*;
 use crate::charts::curves::Curves;
 use crate::figures::outcome::{MEMORY, Outcome};
 use crate::row::{Row, Status};
+use crate::tables::beside::Beside;
 use prt_transfer::{Label, Params};
 
 /// Every label of every figure, by the curves of a scene of that many samples.
@@ -56,11 +58,14 @@ fn figure_2_ends_where_the_paper_s_does_and_never_stores_more_than_the_matrix() 
 /// A slip of the eye while copying would show here: the same measurement is printed in three places.
 #[test]
 fn the_printed_figures_agree_with_each_other() {
-    let rows = matched::beside(&[], &[]);
-    let errors = rows.iter().filter(|b| b.setting().ends_with("n' = 8")).map(matched::Beside::error);
-    let bird = LINES.iter().find(|line| line.model == "bird" && line.brdf == "gloss-anis").unwrap();
-    let errors: Vec<f64> = errors.chain([bird.printed[1].error]).collect();
-    assert!(errors.len() == 3 && errors.iter().all(|e| (e - 294.4).abs() < 0.5), "{errors:?}");
+    let of = |model: &str| LINES.iter().find(|l| l.model == model && l.brdf == "gloss-anis").unwrap();
+    let (bird, [of_buddha, of_bird]) = (of("bird"), FIGURE_11[2].1);
+    let errors = [FIGURE_10[2].2, of_bird.0, bird.printed[1].error];
+    assert!(errors.iter().all(|e| (e - 294.4).abs() < 0.5), "{errors:?}");
+    assert!((of_buddha.0 - of("Buddha").printed[1].error).abs() < 0.5 && FIGURE_10[2].3 == of_bird.1);
+    for model in [0, 1] {
+        assert!(FIGURE_11.is_sorted_by(|a, b| a.1[model].0 > b.1[model].0 && a.1[model].1 > b.1[model].1));
+    }
     assert!(LINES.iter().all(|line| line.printed[1].error < line.printed[0].error), "iterative is better");
     assert!(LINES.iter().all(|line| line.printed[1].seconds > line.printed[0].seconds), "and slower");
     // 6m7s, 3h43m, 3m26s
@@ -98,24 +103,97 @@ fn between_two_points_error_follows_the_power_law_through_them_and_beyond_the_cu
     assert_eq!(at_cost(&exact.iter().collect::<Vec<_>>(), &MEMORY, 2e-3), None, "no logarithm");
 }
 
-#[test]
-fn figures_10_and_11_stand_beside_the_paper_s_in_120_columns() {
+fn records(beside: &Beside) -> Vec<std::collections::HashMap<String, String>> {
+    let csv = beside.csv(&crate::machine::Machine::here(2)).unwrap();
+    csv::Reader::from_reader(csv.as_slice()).deserialize().map(Result::unwrap).collect()
+}
+
+/// SE of four numbers of components, and of PCA at half and eight times the bytes of n' = 2.
+fn measured() -> (Vec<Curve>, Vec<Outcome>) {
     let curves = ["PCA", "VQ", "CPCA", "uncompressed"].map(|name| Curve::new(name, []));
     let cpca = [(2, 2e-4), (4, 1e-4), (8, 1e-5), (12, 2e-6)];
     let cpca = cpca.map(|(n, error)| outcome(2, n, 1_000_000 * n as u64, error));
     let pca = [(1, 0.2), (64, 0.02)].map(|(n, error)| outcome(0, n, 500_000 * n as u64, error));
-    let outcomes: Vec<Outcome> = cpca.into_iter().chain(pca).collect();
-    let beside = matched::beside(&curves, &outcomes);
-    let text = matched::table(&beside);
-    assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
-    // SE of n' = 2, as a multiple of n' = 8: 9510.75 / 294.421 in print, 2e-4 / 1e-5 here.
-    let line = text.lines().rfind(|line| line.contains("n' = 2 ")).unwrap();
-    assert_eq!(line.split_whitespace().rev().take(4).collect::<Vec<_>>(), ["20.0", "200", "32.3", "9510.75"], "{text}");
-    // VQ was not measured here.
-    let line = text.lines().find(|line| line.starts_with("VQ")).unwrap();
-    assert!(line.split_whitespace().rev().take(4).all(|cell| cell == "-"), "{line}");
-    let csv = String::from_utf8(matched::csv(&beside, &crate::machine::Machine::here(2)).unwrap()).unwrap();
-    assert_eq!(csv.lines().count(), 1 + 8, "{csv}");
+    (curves.into(), cpca.into_iter().chain(pca).collect())
+}
+
+#[test]
+fn figure_10_is_read_at_the_cost_of_cpca_and_says_what_reaches_no_such_cost() {
+    let (curves, outcomes) = measured();
+    let beside = matched::figure10("a blob".into(), &curves, &outcomes);
+    assert!(beside.terminal().lines().all(|line| line.chars().count() <= 120), "{}", beside.terminal());
+    let records = records(&beside);
+    let of = |subject: &str| records.iter().filter(|r| r["subject"].starts_with(subject)).collect::<Vec<_>>();
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let [printed, time, bytes] = of("CPCA")[..] else { panic!("{records:?}") };
+    assert_eq!(
+        (printed["source"].as_str(), number(&printed["squared_error"]), number(&printed["of_base"])),
+        ("paper", 294.4, 1.0)
+    );
+    for ours in [time, bytes] {
+        assert!(
+            (number(&ours["squared_error"]) - 10.0).abs() < 1e-9 && (number(&ours["of_base"]) - 1.0).abs() < 1e-9,
+            "{ours:?}"
+        );
+    }
+    // PCA through 0.2 at 0.5 MB and 0.02 at 32 MB, at the 8 MB of n' = 8: ln 16 / ln 64 of the way down.
+    let [_, time, bytes] = of("PCA")[..] else { panic!("{records:?}") };
+    let expected = 1e6 * 0.2 * 0.1_f64.powf(16_f64.ln() / 64_f64.ln());
+    assert!((number(&bytes["squared_error"]) / expected - 1.0).abs() < 1e-9, "{bytes:?}");
+    assert_eq!((bytes["resident_bytes"].as_str(), time["relight_1_ms"].as_str()), ("8000000", "8"));
+    let [_, time, bytes] = of("VQ")[..] else { panic!("{records:?}") };
+    assert!(time["status"] == "failed" && bytes["reason"] == "VQ does not reach the cost of CPCA", "{time:?}");
+}
+
+#[test]
+fn figure_11_has_both_models_and_a_model_that_is_missing_its_reason() {
+    let (curves, outcomes) = measured();
+    let models = [Err("there is no dragon".to_string()), Ok(("a blob".to_string(), curves, outcomes))];
+    let records = records(&matched::figure11(&models));
+    let ours = |model: &str| {
+        records.iter().filter(|r| r["source"] == "measured" && r["subject"].starts_with(model)).collect::<Vec<_>>()
+    };
+    assert!(
+        ours("Buddha").len() == 4 && ours("Buddha").iter().all(|r| r["reason"] == "there is no dragon"),
+        "{records:?}"
+    );
+    // SE as a multiple of that of n' = 8: 2e-4 / 1e-5 here, 9510.75 / 294.421 in print.
+    let ratios: Vec<f64> = ours("bird").iter().map(|r| r["of_base"].parse().unwrap()).collect();
+    assert!(ratios.iter().zip([20.0, 10.0, 1.0, 0.2]).all(|(a, b)| (a - b).abs() < 1e-9), "{ratios:?}");
+    let printed = records.iter().find(|r| r["subject"] == "bird, n' = 2").unwrap();
+    assert!((printed["of_base"].parse::<f64>().unwrap() - 9510.75 / 294.421).abs() < 1e-9);
+}
+
+#[test]
+fn curves_cross_where_the_next_is_lower_at_equal_cost_and_fewer_components_are_told_in_components() {
+    // Before: SE 100/x; after: 1000/x². They meet at x = 10.
+    let of = |law: fn(f64) -> f64| [2, 4, 8, 16, 32].map(|n| outcome(0, n, 1_000_000 * n as u64, 1e-6 * law(n as f64)));
+    let (before, after) = (of(|x| 100.0 / x), of(|x| 1000.0 / (x * x)));
+    let [before, after]: [Vec<&Outcome>; 2] = [before.iter().collect(), after.iter().collect()];
+    assert_eq!(crossing(&before, &after, &MEMORY), Some(16.0));
+    assert_eq!(crossing(&before, &before, &MEMORY), None);
+    // 100/n = 1000/16² at n = 25.6, between 16 and 32 on the line of logarithms.
+    let found = components_for(&before, after[3].squared_error().unwrap()).unwrap();
+    assert!((found - (16.0 + 16.0 * (1.6_f64.ln() / 2_f64.ln()))).abs() < 1e-6, "{found}");
+    assert_eq!(components_for(&before, 1e3), None);
+}
+
+#[test]
+fn what_the_paper_says_of_figures_2_and_3_has_ours_below_it() {
+    let curves = figure3::curves(256, &[1, 2, 4, 8]);
+    let three = claims::figure3("a blob".into(), &curves, &lawful(&curves, 34_835, 25));
+    let lines = records(&three);
+    assert_eq!(lines.iter().filter(|r| r["source"] == "paper").count(), 2);
+    // All ways of encoding have the same law here: none is worth a component.
+    let more: Vec<f64> =
+        lines.iter().filter(|r| r["source"] == "measured").map(|r| r["more_components"].parse().unwrap()).collect();
+    assert!(more.len() == 8 && more.iter().all(|more| more.abs() < 1e-9), "{more:?}");
+    let curves = figure2::curves(34_835, 25, 2);
+    let two = claims::figure2("a blob".into(), &curves, &lawful(&curves, 34_835, 25));
+    assert_eq!(records(&two).len(), 2 * 5, "five curves above that of VQ");
+    for beside in [two, three] {
+        assert!(beside.terminal().lines().all(|line| line.chars().count() <= 120), "{}", beside.terminal());
+    }
 }
 
 #[test]
@@ -130,16 +208,19 @@ fn table_1_has_the_paper_s_line_and_ours_and_why_there_is_none() {
             outcomes: if i == 0 { Vec::new() } else { vec![outcome(0, 8, 1, 4e-4), outcome(0, 8, 1, 1e-4)] },
         })
         .collect();
-    let text = table1_layout::text(&lines);
+    let beside = table1_layout::beside(&lines);
+    let text = beside.terminal();
     assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
     assert_eq!(
-        text.lines().filter(|line| line.starts_with("  ours: bunny_35k") && line.ends_with("0.250")).count(),
+        text.lines().filter(|line| line.starts_with("  bunny_35k") && line.ends_with("0.250")).count(),
         6,
         "{text}"
     );
-    assert!(text.ends_with("Buddha gloss-iso: there is no such mesh"), "{text}");
-    let csv = String::from_utf8(table1_layout::csv(&lines, &crate::machine::Machine::here(2)).unwrap()).unwrap();
-    assert_eq!(csv.lines().count(), 1 + 7, "{csv}");
+    assert!(text.contains("\nBuddha gloss-iso: there is no such mesh\n"), "{text}");
+    // 1h51m and 451 keep their digits.
+    let line = text.lines().find(|line| line.starts_with("Buddha gloss-iso 16x25, the paper's")).unwrap();
+    assert_eq!(line.split_whitespace().rev().skip(2).take(2).collect::<Vec<_>>(), ["451", "6660"], "{text}");
+    assert_eq!(records(&beside).len(), 2 * 7);
 }
 
 /// Outcomes that fall with storage as a smooth signal's do, so that charts can be looked at without measuring.

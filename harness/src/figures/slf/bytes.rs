@@ -13,7 +13,7 @@ use prt_transfer::responses::Directions;
 use prt_transfer::scene::light_field::{FieldParams, Horizon};
 use prt_transfer::{Metric, Quiet, TransferMatrix};
 
-pub(super) const FIGURE: Figure = Figure { name: "bytes", draw };
+pub(super) const FIGURE: Figure = Figure { name: "bytes", table: None, draw };
 
 /// A panel.
 struct Subject {
@@ -90,8 +90,8 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: table(&subjects, &outcomes, &noises),
         tables: vec![("", csv(&subjects, &outcomes, &noises, &stage.machine)?)],
         chart: Some(chart(&subjects, &outcomes)),
-        pictures: Vec::new(),
         measured: outcomes.iter().any(|o| o.made.is_ok()),
+        ..Drawing::default()
     })
 }
 

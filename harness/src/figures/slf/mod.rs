@@ -18,12 +18,15 @@ use prt_transfer::{Quiet, TransferMatrix};
 /// Table 1, and what stands behind it.
 pub(super) const PAPER: Paper = Paper {
     name: "slf",
+    source: "Miandji et al. 2011: surface light fields",
     figures: &[table1::FIGURE, bytes::FIGURE, seams::FIGURE, speed::FIGURE],
+    is_full: false,
+    scenes: &[],
     notes: &[
         "cornell-spheres stands in for the paper's scene, of which a picture and a table were published: a matte Cornell box with one textured wall,",
         "a torus, and two spheres of roughness 0.02, one distorted. The paper traced photons and gathered, here paths are traced; it timed on a quad-",
         "core Xeon, here all threads are used. Errors are squared errors over the sphere (by solid angle) as parts of the square of the field.",
-        "table1: Eq. 5 is the ratio of all numbers of F to those that are stored, whatever their width; its text says η = 512 where its table says 256.",
+        "table1: Eq. 5 is the ratio of all numbers of F to those that are stored, whatever their width.",
         "bytes: matte shapes are charted with a dark horizon, the paper's; with a continued one, the default, a matte field is one number a texel.",
         "A textured wall is flat: in every direction the same times its texture, one component, and so exact to rounding but for rounded maps.",
         "seams: second differences of radiance along the texture, root mean square over directions, across borders of clusters and inside of them.",

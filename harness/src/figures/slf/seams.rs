@@ -14,7 +14,7 @@ use prt_transfer::scene::light_field::FieldParams;
 use prt_transfer::{Encoded, Quiet, TransferMatrix};
 use rayon::prelude::*;
 
-pub(super) const FIGURE: Figure = Figure { name: "seams", draw };
+pub(super) const FIGURE: Figure = Figure { name: "seams", table: None, draw };
 
 const SHAPE: &str = "blue-sphere";
 const COMPONENTS: [usize; 3] = [2, 8, 16];
@@ -53,8 +53,8 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: table(&outcomes),
         tables: vec![("", csv(&outcomes, &stage.machine)?)],
         chart: Some(chart),
-        pictures: Vec::new(),
         measured: true,
+        ..Drawing::default()
     })
 }
 

@@ -20,7 +20,7 @@ use prt_transfer::scene::world::World;
 use std::path::Path;
 use std::time::Instant;
 
-pub(super) const FIGURE: Figure = Figure { name: "speed", draw };
+pub(super) const FIGURE: Figure = Figure { name: "speed", table: None, draw };
 
 /// Samples along the edge of a pixel.
 const OF_FIELDS: [usize; 3] = [1, 2, 3];
@@ -67,8 +67,8 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: table(&outcomes),
         tables: vec![("", csv(&outcomes, &stage.machine)?)],
         chart: Some(chart(side, texels, &outcomes)),
-        pictures: Vec::new(),
         measured: true,
+        ..Drawing::default()
     })
 }
 

@@ -1,6 +1,6 @@
 //! Table 1: parameters and times of each shape, and of pictures of the scene.
 
-use super::table1_layout::{csv, csv_of_pictures, text};
+use super::table1_layout::{csv, of_pictures, of_shapes};
 use super::{WORLD, world};
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
@@ -16,7 +16,8 @@ use prt_transfer::scene::{picture, worlds};
 use std::path::Path;
 use std::time::Instant;
 
-pub(super) const FIGURE: Figure = Figure { name: "table1", draw };
+pub(super) const FIGURE: Figure =
+    Figure { name: "table1", table: Some("Table 1: sizes and times of each shape, and of pictures"), draw };
 
 /// A line of the paper's table.
 pub(super) struct Line {
@@ -129,11 +130,10 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     }
     let (pictures, shown) = pictures(stage, &tracer, folders.each_ref().map(|f| f.path()), &size)?;
     Ok(Drawing {
-        text: text(&shapes, &pictures),
-        tables: vec![("", csv(&shapes, &stage.machine)?), ("-pictures", csv_of_pictures(&pictures, &stage.machine)?)],
-        chart: None,
+        beside: vec![of_shapes(&shapes), of_pictures(&pictures)],
+        tables: vec![("", csv(&shapes, &stage.machine)?)],
         pictures: vec![("-pictures", shown)],
-        measured: true,
+        ..Drawing::default()
     })
 }
 

@@ -12,7 +12,7 @@ use prt_srbf::{Centers, Srbf, SrbfParams};
 use prt_transfer::metric::Metric;
 use prt_transfer::{Configure, LightBasis, Quiet, TransferMatrix, Transform};
 
-pub(super) const FIGURE: Figure = Figure { name: "bandwidth", draw };
+pub(super) const FIGURE: Figure = Figure { name: "bandwidth", table: None, draw };
 
 const SCENE: &str = "teapot";
 const VERTICES: usize = 300;
@@ -53,8 +53,8 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text,
         tables: vec![("", csv(&outcomes, &stage.machine)?)],
         chart: Some(chart),
-        pictures: Vec::new(),
         measured,
+        ..Drawing::default()
     })
 }
 

@@ -1,5 +1,6 @@
 //! Lights in scattered lobes beside Haar wavelets and spherical harmonics of as many numbers.
 
+use super::restored::{BASIS, haar, harmonics, relative_error};
 use crate::charts::curves::{Curves, Dot, Plane};
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
@@ -7,17 +8,12 @@ use crate::machine::Machine;
 use crate::table::aligned;
 use crate::{number, scenes};
 use anyhow::Context;
-use ndarray::Array2;
 use prt_srbf::fit::{FitParams, fit};
-use prt_transfer::sh::{Sh, ShParams};
-use prt_transfer::{Configure, LightBasis, LightTransform, Quiet, Result, Transform};
-use prt_wavelet::{Haar, HaarParams, Scale};
+use prt_transfer::Quiet;
 use std::path::Path;
 use std::time::Instant;
 
-pub(super) const FIGURE: Figure = Figure { name: "lights", draw };
-
-const BASIS: LightBasis = LightBasis::Cubemap { resolution: 32 };
+pub(super) const FIGURE: Figure = Figure { name: "lights", table: None, draw };
 
 /// Lobes of the built-in lights, and of those in a folder.
 const LOBES: [&[usize]; 2] = [&[8, 16, 32, 64], &[8, 16, 32, 64, 128, 162, 256, 512]];
@@ -59,13 +55,13 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: table(&outcomes),
         tables: vec![("", csv(&outcomes, &stage.machine)?)],
         chart: charted.then(|| chart(&outcomes)),
-        pictures: Vec::new(),
         measured: !outcomes.is_empty(),
+        ..Drawing::default()
     })
 }
 
 /// The .exr files of a folder, by name.
-fn images(folder: &Path) -> anyhow::Result<Vec<String>> {
+pub(super) fn images(folder: &Path) -> anyhow::Result<Vec<String>> {
     let entries = std::fs::read_dir(folder).with_context(|| format!("cannot read folder {}", folder.display()))?;
     let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
     let exr = paths.filter(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")));
@@ -93,68 +89,15 @@ fn of_light(stage: &Stage, name: &str, counts: &[usize]) -> anyhow::Result<Vec<O
     }
     for count in counts.iter().map(|lobes| lobes * NUMBERS[0] / NUMBERS[1]) {
         let began = Instant::now();
-        let error = haar(&light, count)?;
+        let error = relative_error(&light, &haar(&light, count)?);
         outcomes.push(outcome(1, NUMBERS[1] * count, error, began.elapsed().as_secs_f64()));
     }
     for order in ORDERS {
         let began = Instant::now();
-        let error = harmonics(&light, order)?;
+        let error = relative_error(&light, &harmonics(&light, order)?);
         outcomes.push(outcome(2, NUMBERS[1] * order * order, error, began.elapsed().as_secs_f64()));
     }
     Ok(outcomes)
-}
-
-/// What the `count` largest Haar coefficients leave over, kept for all channels at once: of texels, or of texels times √dω, whichever is
-/// better. The former hold a constant face in one number, the latter are orthonormal over the sphere.
-fn haar(light: &Array2<f32>, count: usize) -> Result<f64> {
-    let errors = [Scale::None, Scale::Sphere].map(|scale| {
-        let haar = Haar::new(HaarParams { scale, ..HaarParams::default() })?.bind(&BASIS)?;
-        let mut coefficients = Array2::zeros((haar.output().lights(), light.ncols()));
-        haar.light_into(light.view(), coefficients.view_mut());
-        let square = |k: usize| coefficients.row(k).iter().map(|c| f64::from(*c).powi(2)).sum::<f64>();
-        let mut order: Vec<(f64, usize)> = (0..coefficients.nrows()).map(|k| (square(k), k)).collect();
-        order.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        order.iter().skip(count).for_each(|&(_, k)| coefficients.row_mut(k).fill(0.0));
-        // A row is restored with 1/√dω less than a light, where texels are scaled.
-        let angles = BASIS.solid_angles().unwrap_or_default();
-        let mut restored = Array2::zeros(light.raw_dim());
-        for (column, mut out) in coefficients.columns().into_iter().zip(restored.columns_mut()) {
-            let mut row = vec![0f32; BASIS.lights()];
-            haar.restore_row_into(&column.to_vec(), &mut row);
-            let scale = |angle: f64| if scale == Scale::Sphere { angle } else { 1.0 };
-            out.iter_mut().zip(row).zip(&angles).for_each(|((out, v), a)| *out = (f64::from(v) / scale(*a)) as f32);
-        }
-        Ok(relative_error(light, &restored))
-    });
-    let [texels, sphere]: [Result<f64>; 2] = errors;
-    Ok(texels?.min(sphere?))
-}
-
-/// Σ (a - b)² dω / Σ a² dω, all channels together.
-fn relative_error(reference: &Array2<f32>, found: &Array2<f32>) -> f64 {
-    let (mut error, mut whole) = (0.0, 0.0);
-    let angles = BASIS.solid_angles().unwrap_or_default();
-    for ((a, b), angle) in reference.outer_iter().zip(found.outer_iter()).zip(angles) {
-        error += angle * a.iter().zip(&b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum::<f64>();
-        whole += angle * a.iter().map(|a| f64::from(*a).powi(2)).sum::<f64>();
-    }
-    if error == 0.0 { 0.0 } else { error / whole }
-}
-
-/// What the nearest sum of harmonics leaves over.
-fn harmonics(light: &Array2<f32>, order: usize) -> Result<f64> {
-    let sh = Sh::new(ShParams { order })?.bind(&BASIS)?;
-    let angles = BASIS.solid_angles().unwrap_or_default();
-    let mut found = Array2::zeros(light.raw_dim());
-    for (channel, mut out) in light.columns().into_iter().zip(found.columns_mut()) {
-        // A row of moments: radiance times solid angle.
-        let moments: Vec<f32> = channel.iter().zip(&angles).map(|(l, a)| (f64::from(*l) * a) as f32).collect();
-        let (mut coefficients, mut restored) = (vec![0f32; order * order], vec![0f32; moments.len()]);
-        sh.row_into(&moments, &mut coefficients);
-        sh.restore_row_into(&coefficients, &mut restored);
-        out.iter_mut().zip(restored).zip(&angles).for_each(|((out, m), a)| *out = (f64::from(m) / a) as f32);
-    }
-    Ok(relative_error(light, &found))
 }
 
 fn chart(outcomes: &[Outcome]) -> Curves {
@@ -219,20 +162,4 @@ fn csv(outcomes: &[Outcome], machine: &Machine) -> anyhow::Result<Vec<u8>> {
         writer.write_record(words.into_iter().chain(figures).chain([machine.line()]))?;
     }
     Ok(writer.into_inner()?)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn haar_and_harmonics_leave_what_their_coefficients_do_not_hold() {
-        let light = scenes::light("room", &BASIS).unwrap();
-        let left = [0, 10, 100, 1000, BASIS.lights()].map(|count| haar(&light, count).unwrap());
-        assert!(left[0] == 1.0 && left[4] < 1e-12 && left.is_sorted_by(|a, b| a > b), "{left:?}");
-        let errors: Vec<f64> = [1, 3, 6].map(|order| harmonics(&light, order).unwrap()).into();
-        assert!(errors.is_sorted_by(|a, b| a > b) && errors[2] > 0.0, "{errors:?}");
-        let even = Array2::ones((BASIS.lights(), 3));
-        assert!(harmonics(&even, 1).unwrap() < 1e-10 && haar(&even, 6).unwrap() < 1e-10);
-    }
 }

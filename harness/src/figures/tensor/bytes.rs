@@ -2,7 +2,7 @@
 
 use super::coefficients::Coefficients;
 use super::encoding::{Encoding, Figures};
-use super::{available, cells, label, title};
+use super::{available, label, title};
 use crate::charts::curves::{Curves, Dot, Plane};
 use crate::figures::stage::{Mesh, Stage};
 use crate::figures::{Drawing, Figure};
@@ -13,7 +13,7 @@ use crate::table::aligned;
 use prt_tensor::{CtaParams, Storage};
 use prt_transfer::params::Value;
 
-pub(super) const FIGURE: Figure = Figure { name: "bytes", draw };
+pub(super) const FIGURE: Figure = Figure { name: "bytes", table: None, draw };
 
 const MESH: Mesh = Mesh { file: Some("bunny_12k.ply"), built_in: "blob", vertices: 12_000 };
 /// Clusters while ranks differ: of as many members as the paper's.
@@ -53,8 +53,8 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
         text: table(&coefficients, &outcomes),
         tables: vec![("", csv(&coefficients, &outcomes, &stage.machine)?)],
         chart: Some(chart(&coefficients, &outcomes)),
-        pictures: Vec::new(),
         measured: outcomes.iter().any(|o| o.encoding.figures.is_ok()),
+        ..Drawing::default()
     })
 }
 
@@ -131,14 +131,9 @@ fn chart(coefficients: &Coefficients, outcomes: &[Outcome]) -> Curves {
 }
 
 fn subject(coefficients: &Coefficients) -> String {
-    let (shape, lost) = (coefficients.matrix.shape(), number::short(coefficients.lost()));
-    let base = settings(shape.samples, &SWEEPS[1..2]).into_iter().find(|(_, value, ..)| *value == 8);
+    let base = settings(coefficients.samples(), &SWEEPS[1..2]).into_iter().find(|(_, value, ..)| *value == 8);
     let base = base.map_or(String::new(), |(.., label)| label);
-    let (scene, basis) = (title(&coefficients.scene), &coefficients.basis);
-    format!(
-        "{scene} · terms · {basis} · {} x {} x {} lobes, whose own error is {lost} · around {base}",
-        shape.samples, shape.responses, shape.lights
-    )
+    format!("{} · around {base}", super::subject(coefficients))
 }
 
 fn table(coefficients: &Coefficients, outcomes: &[Outcome]) -> String {
@@ -148,7 +143,13 @@ fn table(coefficients: &Coefficients, outcomes: &[Outcome]) -> String {
     let rows = distinct.iter().map(|o| {
         let cells = match &o.encoding.figures {
             Err(_) => ["-", "-", "failed", "-", "-"].map(String::from),
-            Ok(f) => cells([f.file_bytes, f.resident_bytes], [f.error, f.encode_s, f.relight_ms]),
+            Ok(f) => [
+                number::bytes(f.file_bytes),
+                number::bytes(f.resident_bytes),
+                number::short(f.error),
+                number::short(f.encode_s),
+                number::short(f.relight_ms),
+            ],
         };
         std::iter::once(o.encoding.label.clone()).chain(cells).collect()
     });

@@ -12,7 +12,7 @@ use ndarray::ArrayD;
 use prt_tensor::tucker::{Algorithm, Decomposer, Ranks, Tucker, TuckerParams};
 use prt_transfer::Quiet;
 
-pub(super) const FIGURE: Figure = Figure { name: "decompositions", draw };
+pub(super) const FIGURE: Figure = Figure { name: "decompositions", table: None, draw };
 
 /// As samples x responses x lobes of a cluster are.
 const SIZE: [usize; 3] = [400, 16, 300];
@@ -58,8 +58,8 @@ pub(super) fn drawing(stage: &Stage, size: [usize; 3], ranks: &[usize]) -> anyho
         text: table(&outcomes),
         tables: vec![("", csv(&outcomes, &stage.machine)?)],
         chart: Some(chart(size, &outcomes)),
-        pictures: Vec::new(),
         measured: outcomes.iter().any(|o| o.result.is_ok()),
+        ..Drawing::default()
     })
 }
 

@@ -4,33 +4,41 @@ mod bytes;
 mod coefficients;
 mod decompositions;
 mod encoding;
+mod figure5;
 mod segments;
 mod table1;
 mod table1_layout;
 mod table2;
+mod table2_layout;
 mod tensors;
 
-use super::Paper;
-use super::stage::{Mesh, Stage};
+use super::stage::{Mesh, Stage, title};
+use super::{Paper, srbf};
 use crate::number;
 use crate::signal::{Signal, Spec};
+use coefficients::Coefficients;
 use prt_tensor::CtaParams;
 use prt_transfer::{LightBasis, Params};
 
 /// Tables 1 and 2, and what stands behind them.
 pub(super) const PAPER: Paper = Paper {
     name: "tensor",
-    figures: &[table1::FIGURE, decompositions::FIGURE, bytes::FIGURE, table2::FIGURE],
+    source: "Tsai and Shih 2006: spherical radial basis functions and clustered tensors",
+    figures: &[
+        table1::FIGURE,
+        table2::FIGURE,
+        srbf::figure4::FIGURE,
+        figure5::FIGURE,
+        decompositions::FIGURE,
+        bytes::FIGURE,
+    ],
+    is_full: false,
+    scenes: &[],
     notes: &[
         "Light functions of the Cook-Torrance BRDF in 16 terms, 6 x 32 x 32 texels; T in 642 lobes on a subdivided icosahedron. Errors are squared",
         "errors over the sphere, as parts of the square of T: the paper's SE ratio. Its meshes and the roughness of its BRDF were not published.",
-        "table1: T in lobes has an error of its own (SRBF), to which that of CTA is added. The paper's GB and MB are powers of two (41k x 16 x 6144",
-        "numbers of 4 bytes are 15.0 GiB; ours are decimal). It encoded on an Athlon 64 FX-55; its frames per second (view moves / light moves) were",
-        "75/16, 51/13 and 49/10. Relighting here: three channels of a light in lobes on all threads, the product alone. Memory counts what turns",
-        "texels into lobes (3 MB) too, which a light in lobes does without.",
-        "table2: Liu et al. (2004) cut the lights into segments of 256 wavelet coefficients and compress each by itself, since clusters of whole",
-        "samples need vectors of 16 x 6144 numbers. Our cpca takes whole samples; segments here are as many matrices of their own, their bytes, times",
-        "and squared errors added up. Numbers are stored in 16 bits by all. The paper (Buddha): CPCA 48.4 MB and 3.09 %, theirs 13.2 MB and 3.75 %.",
+        "T in lobes has an error of its own (SRBF), to which that of CTA is added. Relighting: three channels of a light in lobes on all threads,",
+        "the product alone. Memory counts what turns texels into lobes (3 MB) too, which a light in lobes does without.",
     ],
 };
 
@@ -65,15 +73,12 @@ fn available(stage: &Stage, mesh: &Mesh) -> Mesh {
     Mesh { file: mesh.file.filter(is_there), ..*mesh }
 }
 
-/// Bytes of the file and in memory, then error, seconds of encoding and milliseconds of relighting, for people.
-fn cells(bytes: [u64; 2], [error, encode_s, relight_ms]: [f64; 3]) -> [String; 5] {
-    let [file, memory] = bytes.map(number::bytes);
-    [file, memory, number::short(error), number::short(encode_s), number::short(relight_ms)]
-}
-
-/// A mesh's name for people.
-fn title(scene: &str) -> String {
-    std::path::Path::new(scene).file_stem().map_or_else(|| scene.into(), |stem| stem.display().to_string())
+/// Scene, signal, bases and shape.
+fn subject(coefficients: &Coefficients) -> String {
+    let (shape, lost) = (coefficients.matrix.shape(), number::short(coefficients.lost()));
+    let (scene, basis) = (title(&coefficients.scene), &coefficients.basis);
+    let size = format!("{} x {} x {}", shape.samples, shape.responses, shape.lights);
+    format!("{scene} · terms · {basis} · {size} lobes, whose own error is {lost}")
 }
 
 #[cfg(test)]

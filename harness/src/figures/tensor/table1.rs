@@ -2,13 +2,14 @@
 
 use super::coefficients::Coefficients;
 use super::encoding::Encoding;
-use super::table1_layout::{csv, text};
+use super::table1_layout::beside;
 use super::{clusters, label};
 use crate::figures::stage::{Mesh, Stage};
 use crate::figures::{Drawing, Figure};
 use prt_tensor::{CtaParams, Storage};
 
-pub(super) const FIGURE: Figure = Figure { name: "table1", draw };
+pub(super) const FIGURE: Figure =
+    Figure { name: "table1", table: Some("Table 1: storage, error and time of each model"), draw };
 
 /// A column of the paper's table.
 pub(super) struct Line {
@@ -87,14 +88,7 @@ pub(super) struct Ours {
 
 fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let lines: Vec<Measured> = LINES.iter().map(|line| measured(stage, line)).collect();
-    let ours = lines.iter().filter_map(|line| line.ours.as_ref()?.as_ref().ok());
-    Ok(Drawing {
-        text: text(&lines),
-        tables: vec![("", csv(&lines, &stage.machine)?)],
-        chart: None,
-        pictures: Vec::new(),
-        measured: ours.flat_map(|ours| &ours.encodings).any(|e| e.figures.is_ok()),
-    })
+    Ok(Drawing { beside: vec![beside(&lines)], ..Drawing::default() })
 }
 
 fn measured(stage: &Stage, line: &'static Line) -> Measured {

@@ -1,25 +1,24 @@
 //! Table 2: all-frequency CPCA beside SRBF and CTA at about equal bytes.
 
-use super::segments::{LENGTH, Segmented, Segments};
-use super::{available, cells, label, own_clusters, spec};
+use super::segments::{Segmented, Segments};
+use super::{available, label, own_clusters, spec, table2_layout};
 use crate::figures::setting::{Curve, Setting};
 use crate::figures::stage::{Mesh, Stage, Subject};
 use crate::figures::{Drawing, Figure};
-use crate::machine::Machine;
 use crate::scenes::{self, LIGHTS};
 use crate::signal::Spec;
-use crate::table::aligned;
 use ndarray::Array2;
 use prt_cpca::{Clusters, CpcaParams, Mode};
 use prt_tensor::CtaParams;
 use prt_transfer::numbers::Width;
 use prt_transfer::{Params, Shape};
 
-pub(super) const FIGURE: Figure = Figure { name: "table2", draw };
+pub(super) const FIGURE: Figure =
+    Figure { name: "table2", table: Some("Table 2: beside all-frequency clustered PCA, at about equal bytes"), draw };
 
 const MESH: Mesh = Mesh { file: Some("bunny_3k.ply"), built_in: "blob", vertices: 3000 };
 /// Orthonormal over the sphere.
-const HAAR: &str = "haar:scale=sphere";
+pub(super) const HAAR: &str = "haar:scale=sphere";
 /// Lobes of `srbf`.
 const LOBES: usize = 642;
 /// Small, middle and large: multiples of the least that CPCA of whole samples can use.
@@ -32,15 +31,16 @@ const CLUSTERS: [usize; 3] = [1, 2, 4];
 const NEAR: f64 = 0.05;
 
 /// What is compared.
-const KINDS: [&str; 4] = ["CPCA of whole samples", "CPCA of segments", "SRBF and CTA", "SRBF and CTA, all views"];
+pub(super) const KINDS: [&str; 4] =
+    ["CPCA of whole samples", "CPCA of segments", "SRBF and CTA", "SRBF and CTA, all views"];
 
 /// A way to compress at a size.
 pub(super) struct Line {
     /// Multiple of the least.
-    size: usize,
-    kind: &'static str,
-    method: String,
-    figures: Result<Segmented, String>,
+    pub(super) size: usize,
+    pub(super) kind: &'static str,
+    pub(super) method: String,
+    pub(super) figures: Result<Segmented, String>,
 }
 
 fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
@@ -57,13 +57,7 @@ pub(super) fn drawing(stage: &Stage, spec: &Spec, sizes: &[usize]) -> anyhow::Re
     for &size in sizes {
         lines.extend(rivals.of_size(size)?);
     }
-    Ok(Drawing {
-        text: table(&subject, &lines),
-        tables: vec![("", csv(&subject, &lines, &stage.machine)?)],
-        chart: None,
-        pictures: Vec::new(),
-        measured: lines.iter().any(|line| line.figures.is_ok()),
-    })
+    Ok(Drawing { beside: vec![table2_layout::beside(subject.title(), &lines)], ..Drawing::default() })
 }
 
 /// What is compared, on what.
@@ -184,63 +178,4 @@ pub(super) fn cta(shape: Shape, size: usize, view: usize, numbers: f64) -> CtaPa
 pub(super) fn numbers_of_cta(shape: Shape, params: &CtaParams) -> usize {
     let CtaParams { clusters, light, sample, .. } = *params;
     clusters * light * (LOBES + sample * params.view.min(shape.responses)) + shape.samples * sample
-}
-
-fn table(subject: &Subject, lines: &[Line]) -> String {
-    let titles = ["method", "size", "file", "in memory", "error", "encode s", "relight ms"];
-    let rows = lines.iter().map(|line| {
-        let cells = match &line.figures {
-            Err(_) => ["-", "-", "failed", "-", "-"].map(String::from),
-            Ok(f) => cells([f.file_bytes, f.resident_bytes], [f.error, f.encode_s, f.relight_ms]),
-        };
-        [short(&line.method), line.size.to_string()].into_iter().chain(cells).collect()
-    });
-    let failed = lines.iter().filter_map(|line| Some(format!("{}: {}", line.method, line.figures.as_ref().err()?)));
-    let head = format!("\nTable 2: all-frequency CPCA, and SRBF with CTA, at about equal bytes\n{}", subject.title());
-    let segments = format!(
-        "cpca: of {HAAR}, iterative, numbers of 16 bits; 24xcpca: each of 24 segments of {LENGTH} Haar coefficients\n\
-         relighting starts with texels: srbf+cta has to turn them into lobes first"
-    );
-    [head, aligned(&titles, rows), segments].into_iter().chain(failed).collect::<Vec<_>>().join("\n")
-}
-
-/// Without what all lines share.
-fn short(method: &str) -> String {
-    let shared = [&format!("{HAAR}+"), ":mode=iterative", ":weights=i16", ":representatives=i16"];
-    shared.iter().fold(method.to_string(), |method, part| method.replace(part, ""))
-}
-
-fn csv(subject: &Subject, lines: &[Line], machine: &Machine) -> anyhow::Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "subject",
-        "size",
-        "kind",
-        "method",
-        "status",
-        "reason",
-        "file_bytes",
-        "resident_bytes",
-        "error_sphere",
-        "encode_s",
-        "relight_rgb_all_ms",
-        "machine",
-    ])?;
-    for line in lines {
-        let head = [subject.title(), line.size.to_string(), line.kind.into(), line.method.clone()];
-        let figures = match &line.figures {
-            Err(reason) => ["failed", reason, "", "", "", "", ""].map(String::from),
-            Ok(f) => [
-                "ok".into(),
-                String::new(),
-                f.file_bytes.to_string(),
-                f.resident_bytes.to_string(),
-                f.error.to_string(),
-                f.encode_s.to_string(),
-                f.relight_ms.to_string(),
-            ],
-        };
-        writer.write_record(head.into_iter().chain(figures).chain([machine.line()]))?;
-    }
-    Ok(writer.into_inner()?)
 }

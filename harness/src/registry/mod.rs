@@ -1,5 +1,7 @@
 //! The one place where the program learns of its methods.
 
+pub mod families;
+
 use prt_bicluster::Bicluster;
 use prt_cpca::{Cpca, Pca, Vq};
 use prt_slf::Slf;

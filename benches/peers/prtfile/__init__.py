@@ -1,0 +1,1 @@
+"""Reads .prt files as docs/format.md describes them, with NumPy alone."""
