@@ -1,6 +1,6 @@
 //! `prt select`: the smallest model that keeps an error, or the best within so many bytes or ms.
 //!
-//! [`Search`] is the engine: [`Search::best_of`] finds the best model of one [`Family`](crate::registry::families::Family) with far fewer encodes
+//! [`Search`] is the engine: [`Search::best_of`] finds the best model of one [`Family`] with far fewer encodes
 //! than its grid has models. Along the first axis of a family models grow and errors fall: there the bound is bisected, beginning where the numbers
 //! of the matrix say (tail energy, MDL, Gavish and Donoho). Everything else is halved: what was tried tells what to expect of the rest, the half that promises less is
 //! dropped, and the rest is tried where it promises most.
