@@ -4,6 +4,7 @@ use crate::files;
 use crate::progress::Bar;
 use crate::registry::registry;
 use clap::Args;
+use ndarray::{Array2, ArrayView1, ArrayViewMut2, s};
 use prt_transfer::matrix::Layout;
 use prt_transfer::{Compressed, Progress, Result, TransferMatrix};
 use rayon::prelude::*;
@@ -29,6 +30,8 @@ pub fn run(arguments: &Decode) -> anyhow::Result<()> {
 
 /// Rows decoded between two reports, and held twice while they are put together.
 const BLOCK: usize = 1024;
+/// Rows that one task reconstructs at once.
+const AT_ONCE: usize = 32;
 
 /// Every row of T̃: sparse where T came sparse, dense where it came dense.
 pub fn matrix(compressed: &Compressed, progress: &dyn Progress) -> Result<TransferMatrix> {
@@ -37,25 +40,29 @@ pub fn matrix(compressed: &Compressed, progress: &dyn Progress) -> Result<Transf
     progress.start("decode", rows as u64);
     if compressed.layout() != Layout::Sparse {
         let mut values = vec![0f32; rows * lights];
-        values.par_chunks_mut(lights.max(1)).enumerate().try_for_each(|(row, out)| {
-            compressed.row_into(row, out);
-            progress.advance(1)
+        values.par_chunks_mut((AT_ONCE * lights).max(1)).enumerate().try_for_each(|(task, out)| {
+            let count = out.len() / lights.max(1);
+            let out = ArrayViewMut2::from_shape((count, lights), out).expect("a chunk is whole rows");
+            compressed.rows_into(task * AT_ONCE, out);
+            progress.advance(count as u64)
         })?;
         let matrix = TransferMatrix::from_dense(values, rows, shape.responses, basis)?.with_responses(meaning)?;
         return Ok(if compressed.layout() == Layout::Samples { matrix.by_samples() } else { matrix });
     }
     let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     for first in (0..rows).step_by(BLOCK) {
-        let block: Vec<Vec<(u32, f32)>> = (first..rows.min(first + BLOCK))
-            .into_par_iter()
-            .map_init(
-                || vec![0f32; lights],
-                |buffer, row| {
-                    compressed.row_into(row, buffer);
-                    buffer.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(col, v)| (col as u32, *v)).collect()
-                },
-            )
-            .collect();
+        let last = rows.min(first + BLOCK);
+        let task = |buffer: &mut Array2<f32>, from: usize| {
+            let mut values = buffer.slice_mut(s![..AT_ONCE.min(last - from), ..]);
+            compressed.rows_into(from, values.view_mut());
+            let kept = |row: ArrayView1<f32>| -> Vec<(u32, f32)> {
+                row.iter().enumerate().filter(|(_, v)| **v != 0.0).map(|(col, v)| (col as u32, *v)).collect()
+            };
+            values.outer_iter().map(kept).collect::<Vec<_>>()
+        };
+        let tasks = (first..last).into_par_iter().step_by(AT_ONCE);
+        let block: Vec<_> = tasks.map_init(|| Array2::zeros((AT_ONCE, lights)), task).collect();
+        let block = block.concat();
         for row in &block {
             columns.extend(row.iter().map(|(col, _)| col));
             values.extend(row.iter().map(|(_, value)| value));

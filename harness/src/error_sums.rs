@@ -1,5 +1,6 @@
 //! The error of a compressed matrix: streamed by samples, summed in `f64`, the same on any number of threads.
 
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, s};
 use prt_transfer::{Compressed, Metric, TransferMatrix};
 use rayon::prelude::*;
 
@@ -31,17 +32,17 @@ impl Sums {
 
 /// Sums of the matrix itself: what errors are relative to.
 pub fn of_matrix(matrix: &TransferMatrix, metric: &Metric) -> Sums {
-    by_samples(matrix, metric, |_, out| out.fill(0.0))
+    by_samples(matrix, metric, |_, mut out| out.fill(0.0))
 }
 
 /// Sums of T - T̃.
 pub fn of_difference(matrix: &TransferMatrix, compressed: &Compressed, metric: &Metric) -> Sums {
-    by_samples(matrix, metric, |row, out| compressed.row_into(row, out))
+    by_samples(matrix, metric, |first, out| compressed.rows_into(first, out))
 }
 
 /// Sums of C - C̃ of T ≈ C·B, given C.
 pub fn of_coefficients(coefficients: &TransferMatrix, compressed: &Compressed, metric: &Metric) -> Sums {
-    by_samples(coefficients, metric, |row, out| compressed.coefficient_row_into(row, out))
+    by_samples(coefficients, metric, |first, out| compressed.coefficient_rows_into(first, out))
 }
 
 /// `error / whole`; an error where there is nothing to be relative to is infinite.
@@ -49,16 +50,16 @@ pub fn relative(error: f64, whole: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / whole }
 }
 
-fn by_samples(matrix: &TransferMatrix, metric: &Metric, other: impl Fn(usize, &mut [f32]) + Sync) -> Sums {
+/// `other` is given the first of so many rows.
+fn by_samples(matrix: &TransferMatrix, metric: &Metric, other: impl Fn(usize, ArrayViewMut2<f32>) + Sync) -> Sums {
     let (shape, samples_of_task) = (matrix.shape(), BLOCK.div_ceil(matrix.shape().responses));
     let (responses, lights) = (shape.responses, shape.lights);
-    let of_sample = |buffers: &mut Buffers, sample: usize| {
+    let of_sample = |ours: &mut [f32], differences: &mut [f64], sample: usize, theirs: ArrayView2<f32>| {
         let mut sums = Sums::default();
         let mut equal = true;
-        for response in 0..responses {
-            let (row, Buffers { ours, theirs, differences }) = (sample * responses + response, &mut *buffers);
-            matrix.gather(row, ours);
-            other(row, theirs);
+        for (response, theirs) in theirs.outer_iter().enumerate() {
+            matrix.gather(sample * responses + response, ours);
+            let theirs = theirs.to_slice().expect("rows of a new array are contiguous");
             // Exact methods need no arithmetic: most rows of most exact methods end here.
             if ours != theirs {
                 equal = false;
@@ -66,31 +67,37 @@ fn by_samples(matrix: &TransferMatrix, metric: &Metric, other: impl Fn(usize, &m
             }
             if metric.mixes_responses() {
                 let differences = &mut differences[response * lights..][..lights];
-                let both = ours.iter().zip(&*theirs);
+                let both = ours.iter().zip(theirs);
                 differences.iter_mut().zip(both).for_each(|(d, (a, b))| *d = f64::from(*a) - f64::from(*b));
             }
         }
         if metric.mixes_responses() && !equal {
-            sums.weighted = metric.square_of(&mut buffers.differences, lights);
+            sums.weighted = metric.square_of(differences, lights);
         }
         sums
     };
-    let task = |buffers: &mut Buffers, task: usize| {
+    let task = |Buffers { ours, theirs, differences }: &mut Buffers, task: usize| {
         let samples = task * samples_of_task..shape.samples.min((task + 1) * samples_of_task);
-        samples.fold(Sums::default(), |sums, sample| sums.merge(of_sample(buffers, sample)))
+        let mut theirs = theirs.slice_mut(s![..samples.len() * responses, ..]);
+        other(samples.start * responses, theirs.view_mut());
+        let of_samples = samples.clone().zip(theirs.axis_chunks_iter(Axis(0), responses));
+        of_samples.fold(Sums::default(), |sums, (i, theirs)| sums.merge(of_sample(ours, differences, i, theirs)))
     };
     let differences = if metric.mixes_responses() { responses * lights } else { 0 };
-    let buffers =
-        || Buffers { ours: vec![0.0; lights], theirs: vec![0.0; lights], differences: vec![0.0; differences] };
+    let buffers = || Buffers {
+        ours: vec![0.0; lights],
+        theirs: Array2::zeros((samples_of_task.min(shape.samples) * responses, lights)),
+        differences: vec![0.0; differences],
+    };
     let tasks = 0..shape.samples.div_ceil(samples_of_task);
     let sums: Vec<Sums> = tasks.into_par_iter().map_init(buffers, task).collect();
     sums.into_iter().fold(Sums::default(), Sums::merge)
 }
 
-/// A row of each matrix, and the differences of all rows of a sample.
+/// A row of the matrix, rows of a task of the other, and the differences of all rows of a sample.
 struct Buffers {
     ours: Vec<f32>,
-    theirs: Vec<f32>,
+    theirs: Array2<f32>,
     differences: Vec<f64>,
 }
 

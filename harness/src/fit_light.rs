@@ -3,7 +3,7 @@
 use crate::lobe_file::{LobeFile, Provenance, StageEntry};
 use crate::precompute::count;
 use crate::progress::Bar;
-use crate::{files, lobe_file, number, scenes, terminal};
+use crate::{files, lights, lobe_file, number, terminal};
 use clap::Args;
 use ndarray::Array2;
 use prt_srbf::fit::{Fit, FitParams, Solver, Starts, fit};
@@ -107,7 +107,7 @@ pub fn run(arguments: &FitLight) -> anyhow::Result<()> {
     }
     let params = arguments.params();
     let basis = LightBasis::Cubemap { resolution: arguments.cubemap };
-    let light = scenes::light(&arguments.light, &basis)?;
+    let light = lights::light(&arguments.light, &basis)?;
     let (bar, began) = (Bar::default(), Instant::now());
     let found = fit(&params, &basis, light.view(), &bar)?;
     drop(bar);
@@ -186,7 +186,7 @@ fn image(light: &ScatteredLight) -> Result<Image> {
 /// Texels, lobes at the texels' centres, and their difference, each as a lat-long picture of the cubemap.
 fn comparison(light: &ScatteredLight, basis: &LightBasis, texels: &Array2<f32>) -> Result<Picture> {
     let [reference, found] =
-        [scenes::unwrapped(basis, texels, SIZE), scenes::unwrapped(basis, &light.texels(basis)?, SIZE)];
+        [lights::unwrapped(basis, texels, SIZE), lights::unwrapped(basis, &light.texels(basis)?, SIZE)];
     let everywhere = vec![1.0; reference.pixels.len()];
     let exposure = reference.automatic_exposure(&everywhere)?;
     let map = found.error_map(&reference, &everywhere, exposure)?;

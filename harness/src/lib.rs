@@ -26,6 +26,7 @@ pub mod info;
 pub mod interchange;
 pub mod labels;
 pub mod light_field;
+pub mod lights;
 pub mod list;
 pub mod lobe_file;
 pub mod machine;

@@ -1,7 +1,7 @@
 //! `prt scenes` and `prt methods`: what there is.
 
 use crate::registry::registry;
-use crate::{scenes, terminal, worlds};
+use crate::{lights, scenes, terminal, worlds};
 use clap::Args;
 use prt_transfer::method::About;
 use prt_transfer::scene::brdf::Brdf;
@@ -29,7 +29,7 @@ pub struct Methods {
 
 /// Runs `prt scenes`.
 pub fn scenes(arguments: &Scenes) -> anyhow::Result<()> {
-    let (scenes, worlds, lights, brdfs) = (scenes::scenes(), worlds::built_in(), scenes::lights(), Brdf::all());
+    let (scenes, worlds, lights, brdfs) = (scenes::scenes(), worlds::built_in(), lights::all(), Brdf::all());
     if arguments.json {
         let brdfs = brdfs.iter().map(stage).collect::<Vec<_>>();
         return terminal::say_json(&json!({ "scenes": scenes, "worlds": worlds, "lights": lights, "brdfs": brdfs }));

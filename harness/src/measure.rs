@@ -2,15 +2,15 @@
 
 use crate::error_sums::{self, Sums, relative};
 use crate::family;
+use crate::lights::{self, LIGHTS, Light};
 use crate::pictures::{Portrait, SIZE, Turning, Viewpoint};
 use crate::row::{Row, Status};
-use crate::scenes::{self, LIGHTS, Light};
 use crate::suite::{DENSE_LIMIT, Origin};
 use crate::timing::{Budget, Timing};
 use crate::{files, fingerprint, memory, number};
 use anyhow::{Context, ensure};
 use ndarray::{Array2, ArrayView2, s};
-use prt_transfer::{Compressed, Label, Metric, Progress, Quiet, Registry, TransferMatrix};
+use prt_transfer::{Compressed, Label, Metric, Progress, Quiet, Registry, TransferMatrix, linalg};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -56,7 +56,10 @@ impl Pools {
     /// One thread, and `threads` of them.
     pub fn new(threads: usize) -> anyhow::Result<Pools> {
         let pool = |n| ThreadPoolBuilder::new().num_threads(n).build();
-        Ok(Pools { one: pool(1)?, all: pool(threads)? })
+        let pools = Pools { one: pool(1)?, all: pool(threads)? };
+        // What a library keeps for each thread is no method's memory, least of all that of the first that runs.
+        pools.all.broadcast(|_| linalg::warm_up());
+        Ok(pools)
     }
     /// Runs `work` on all threads.
     pub fn everywhere<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
@@ -72,7 +75,7 @@ impl Reference {
         let whole = error_sums::of_matrix(&matrix, &metric);
         let mut relit = Vec::new();
         // A basis without a place on the sphere has no light to compare under.
-        for light in LIGHTS.iter().map_while(|name| scenes::light(name, basis).ok()) {
+        for light in LIGHTS.iter().map_while(|name| lights::light(name, basis).ok()) {
             let light = matrix.responses().light(basis, light)?;
             let mut out = Array2::zeros((matrix.rows(), light.ncols()));
             matrix.apply_into(light.view(), out.view_mut())?;

@@ -1,7 +1,7 @@
 //! `prt relight`: the responses of a compressed matrix to a light.
 
+use crate::lights::{self, Light};
 use crate::registry::registry;
-use crate::scenes::{self, Light};
 use crate::{files, lobe_file};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -37,7 +37,7 @@ pub fn run(arguments: &Relight) -> anyhow::Result<()> {
     files::expect_extension(&arguments.output, "npy")?;
     let compressed = files::read_prt(&arguments.input, &registry())?;
     let turn = arguments.rotate.map(rotation).transpose()?;
-    if scenes::is_lobes(&arguments.light) {
+    if lights::is_lobes(&arguments.light) {
         let light = lobe_file::read(Path::new(&arguments.light))?;
         let light = turn.map_or(Ok(light.clone()), |turn| light.rotated(turn))?;
         return Ok(files::write_array(&arguments.output, lit_by_lobes(&compressed, &light)?.view())?);
@@ -70,7 +70,7 @@ fn lit_by_lobes(compressed: &Compressed, light: &ScatteredLight) -> anyhow::Resu
             return Ok(out);
         }
     }
-    let texels = responses.light(basis, Light::Lobes(light.clone()).on(basis, 0.0)?)?;
+    let texels = responses.light(basis, Light::lobes(light.clone()).on(basis, 0.0)?)?;
     compressed.apply_into(texels.view(), out.view_mut())?;
     Ok(out)
 }
@@ -94,6 +94,6 @@ fn light(name: &str, basis: &LightBasis, responses: &ResponseBasis) -> Result<Ar
     let path = Path::new(name);
     match path.extension() {
         Some(extension) if extension.eq_ignore_ascii_case("npy") => files::read_lights(path),
-        _ => responses.light(basis, scenes::light(name, basis)?),
+        _ => responses.light(basis, lights::light(name, basis)?),
     }
 }

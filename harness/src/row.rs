@@ -1,6 +1,6 @@
 //! One measurement: a method on a matrix. The fields are the columns of results.csv.
 
-use crate::scenes::LIGHTS;
+use crate::lights::LIGHTS;
 use serde::{Deserialize, Serialize};
 
 /// Whether a measurement came to an end.

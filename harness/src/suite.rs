@@ -179,7 +179,7 @@ impl Size {
     fn budget(self) -> Duration {
         Duration::from_millis(match self {
             Size::Quick => 30,
-            Size::Standard => 45,
+            Size::Standard => 40,
             Size::Full => 500,
         })
     }

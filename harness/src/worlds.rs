@@ -1,5 +1,6 @@
 //! The one place where the program learns of worlds: shapes with charts and materials to trace paths in.
 
+use crate::lights;
 use crate::scenes::{self, Up};
 use anyhow::{bail, ensure};
 use glam::{DVec3, Vec3};
@@ -8,7 +9,7 @@ use prt_transfer::chart::Charted;
 use prt_transfer::io::mesh::read_charted;
 use prt_transfer::scene::brdf::Brdf;
 use prt_transfer::scene::environment::Environment;
-use prt_transfer::scene::lights;
+use prt_transfer::scene::lights as environments;
 use prt_transfer::scene::material::Material;
 use prt_transfer::scene::world::{Object, World};
 use prt_transfer::scene::worlds;
@@ -84,8 +85,8 @@ fn mesh(scene: &str, Look { light, brdf, up }: Look, needs: Needs) -> anyhow::Re
 /// A distant light to trace paths to.
 fn sky(name: &str) -> Result<Environment> {
     if Path::new(name).extension().is_none() {
-        return Ok(lights::find(name)?.environment());
+        return Ok(environments::find(name)?.environment());
     }
-    let backdrop = scenes::backdrop(name)?;
+    let backdrop = lights::backdrop(name)?;
     Ok(Environment::new(move |d: DVec3| DVec3::from(backdrop(d.to_array()).map(f64::from)), Vec::new()))
 }

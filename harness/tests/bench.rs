@@ -127,21 +127,30 @@ fn a_bench_of_a_scene_takes_its_pictures() {
     assert!(message.contains("unknown light 'moon'") && message.lines().count() == 1, "{message}");
 }
 
-/// Errors, bytes and operations are no matter of luck. The peak of memory is: a library keeps scratch for each of its threads, and whether a
-/// method finds it there or has it made depends on which thread came first.
+/// Errors, bytes and operations are no matter of luck, nor of threads. The peak of memory is one of how threads share their work, of which one
+/// alone has no choice.
 #[test]
 fn what_no_clock_measures_is_the_same_in_every_run() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let run = |out: &str| {
-        let arguments = ["bench", "--quick", "--signal", "diffuse,glossy", "--out", out, "--json"];
+    let run = |threads: &str, out: &str| {
+        let arguments =
+            ["bench", "--threads", threads, "--quick", "--signal", "diffuse,glossy", "--out", out, "--json"];
         let mut rows = untimed(&done(&arguments, folder));
-        let peaks = rows.iter_mut().filter_map(|r| r.as_object_mut()?.remove("peak_encode_bytes")?.as_u64());
-        assert!(peaks.filter(|bytes| *bytes > 0).count() > 15, "every method holds something");
-        rows
+        let taken = |row: &mut Value, name: &str| row.as_object_mut().and_then(|row| row.remove(name)?.as_u64());
+        let peaks: Vec<u64> = rows.iter_mut().filter_map(|row| taken(row, "peak_encode_bytes")).collect();
+        assert!(peaks.len() > 15 && rows.iter_mut().all(|row| taken(row, "threads").is_some()));
+        (rows, peaks)
     };
-    let (first, second) = (run("first"), run("second"));
-    assert!(first == second, "a row differs");
+    let (first, second, both) = (run("1", "first"), run("1", "second"), run("2", "both"));
+    assert!(first.0 == second.0 && first.0 == both.0, "a row differs");
+    assert_eq!(first.1, second.1, "peaks of memory");
+    // What each thread works with counts twice, and the model once.
+    assert!(
+        first.1.iter().zip(&both.1).all(|(one, two)| two < &(3 * one) && one < &(2 * two)),
+        "{:?}",
+        (first.1, both.1)
+    );
 }
 
 #[test]

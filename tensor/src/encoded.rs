@@ -1,6 +1,6 @@
 //! Clusters and their bases as they are stored and relit.
 
-use crate::layout::Layout;
+use crate::layout::{Layout, Place};
 use crate::model::{Cluster, Model};
 use crate::params::Storage;
 use crate::{apply, steps, wire};
@@ -81,7 +81,7 @@ impl EncodedCta {
         let cut = |values: &[f32], first: usize, rows: usize, columns: usize| {
             Array2::from_shape_vec((rows, columns), values[first..first + rows * columns].to_vec()).expect("whole rows")
         };
-        let cluster = |place: &crate::layout::Place| Cluster {
+        let cluster = |place: &Place| Cluster {
             light: cut(&light, place.light * self.shape.lights, place.light_rank, self.shape.lights),
             dual: cut(&dual, place.dual, place.sample_rank, self.layout.views * place.light_rank),
         };
@@ -98,27 +98,6 @@ impl EncodedCta {
     /// With a sentence for the user.
     pub(crate) fn with_note(self, note: String) -> EncodedCta {
         EncodedCta { note: Some(note), ..self }
-    }
-
-    /// What response `response` of a sample is in the light basis of its `nth` cluster: `Σ_j w_j Σ_v U_view[response, v] V_j[v, ·]`.
-    fn in_light_basis(&self, place: &crate::layout::Place, first_weight: usize, response: usize) -> Vec<f64> {
-        let mut sums = vec![0f64; place.light_rank];
-        for j in 0..place.sample_rank {
-            let row = place.sample + j;
-            let weight = f64::from(self.weights.stored(first_weight + j)) * f64::from(self.weights.scale(row));
-            let weight = weight * f64::from(self.dual.scale(row));
-            for v in 0..self.layout.views {
-                let factor = match &self.view {
-                    Some(view) => weight * f64::from(view[[response, v]]),
-                    None if v == response => weight,
-                    None => continue,
-                };
-                let first = place.dual + (j * self.layout.views + v) * place.light_rank;
-                let terms = (first..first + place.light_rank).map(|at| f64::from(self.dual.stored(at)));
-                sums.iter_mut().zip(terms).for_each(|(sum, x)| *sum += factor * x);
-            }
-        }
-        sums
     }
 }
 
@@ -145,23 +124,10 @@ impl Encoded for EncodedCta {
         apply::apply(self, lights, out)
     }
     fn row_into(&self, row: usize, out: &mut [f32]) {
-        let (sample, response) = (row / self.shape.responses, row % self.shape.responses);
-        // In double precision, so that no sum of finite numbers overflows on its way.
-        let mut sums = vec![0f64; self.shape.lights];
-        let mut weight = self.layout.first_weight(sample, &self.ids);
-        for nth in 0..self.layout.memberships {
-            let place = self.layout.place(self.ids.at(sample * self.layout.memberships + nth) as usize);
-            for (i, factor) in self.in_light_basis(place, weight, response).into_iter().enumerate() {
-                let row = place.light + i;
-                let factor = factor * f64::from(self.light.scale(row));
-                let first = row * self.shape.lights;
-                let terms = (first..first + self.shape.lights).map(|at| f64::from(self.light.stored(at)));
-                sums.iter_mut().zip(terms).for_each(|(sum, x)| *sum += factor * x);
-            }
-            weight += place.sample_rank;
-        }
-        let (least, most) = (f64::from(f32::MIN), f64::from(f32::MAX));
-        out.iter_mut().zip(sums).for_each(|(y, sum)| *y = sum.clamp(least, most) as f32);
+        self.rows_into(row, ArrayViewMut2::from_shape((1, out.len()), out).expect("a row of itself"));
+    }
+    fn rows_into(&self, first: usize, out: ArrayViewMut2<f32>) {
+        self.reconstruct(first, out);
     }
     fn flops(&self, light: &[f32]) -> Flops {
         apply::flops(self, light)

@@ -54,6 +54,7 @@ mod kernel;
 mod layout;
 mod model;
 mod params;
+mod reconstruct;
 mod search;
 mod steps;
 pub mod tucker;

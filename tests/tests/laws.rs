@@ -59,6 +59,22 @@ fn relighting_equals_decoded_rows_times_light() {
 }
 
 #[test]
+fn rows_that_are_decoded_at_once_are_those_decoded_one_by_one() {
+    for_every_method(|_, label, case, compressed| {
+        let (one, shape) = (decoded(compressed), compressed.shape());
+        let largest = one.iter().fold(0f32, |most, v| most.max(v.abs()));
+        // From the middle of a sample to the middle of another.
+        for range in [0..shape.rows(), shape.rows() / 3..shape.rows(), 1.min(shape.rows())..shape.rows() * 2 / 3] {
+            let mut rows = Array2::from_elem((range.len(), shape.lights), f32::NAN);
+            compressed.rows_into(range.start, rows.view_mut());
+            let expected = one.slice(ndarray::s![range.start..range.start + range.len(), ..]);
+            let far = rows.iter().zip(expected).find(|(a, b)| (*a - *b).abs() > 1e-6 * largest);
+            assert!(far.is_none() && rows.iter().all(|v| v.is_finite()), "{label} on {}: {far:?}", case.name);
+        }
+    });
+}
+
+#[test]
 fn saving_what_was_loaded_gives_the_same_bytes() {
     for_every_method(|registry, label, case, reloaded| {
         let bytes = prt::to_bytes(reloaded).unwrap();

@@ -34,6 +34,13 @@ pub trait Encoded: Send + Sync {
     fn apply_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()>;
     /// Reconstructs one row, zeros included; `out.len()` = lights.
     fn row_into(&self, row: usize, out: &mut [f32]);
+    /// Reconstructs rows from `first` on, one a row of `out` (rows x lights): as [`Encoded::row_into`] for each, to rounding, for codecs that
+    /// do many at once faster.
+    fn rows_into(&self, first: usize, mut out: ArrayViewMut2<f32>) {
+        for (i, mut out) in out.outer_iter_mut().enumerate() {
+            self.row_into(first + i, out.as_slice_mut().expect("rows that are reconstructed are contiguous"));
+        }
+    }
     /// Operations of relighting with one light (one channel, `light.len()` = lights), counted by the kernel as it runs.
     fn flops(&self, light: &[f32]) -> Flops;
     /// Writes everything that [`Restore::read`] needs besides the shape, section by section.

@@ -42,6 +42,20 @@ fn lent_mut<'a, T>(matrix: &'a mut ArrayViewMut2<'_, T>) -> MatMut<'a, T> {
 
 const CONTIGUOUS: &str = "matrices of linear algebra are row-major and contiguous";
 
+/// Makes what products keep for the calling thread once and for all, twice the last cache's size: whoever measures memory calls it on every
+/// thread before, so that it is not counted for the method that happens to come first.
+pub fn warm_up() {
+    // Larger than what is multiplied without packing.
+    let ones = Array2::<f64>::ones((WARM_UP, WARM_UP));
+    let mut product = Array2::zeros(ones.dim());
+    times(ones.view(), ones.view(), product.view_mut());
+    let (single, mut product) = (Array2::<f32>::ones(ones.dim()), Array2::zeros(ones.dim()));
+    times_single(single.view(), single.view(), product.view_mut());
+}
+
+/// Rows and columns of what [`warm_up`] multiplies.
+const WARM_UP: usize = 128;
+
 /// `out` (m x n) = `a` (m x k) · `b` (n x k)ᵀ in single precision.
 ///
 /// # Panics

@@ -349,9 +349,18 @@ impl Compressed {
         check_apply(shape, &coefficients, &out)?;
         self.encoded.apply_into(coefficients, out)
     }
-    /// Reconstructs a row of C of T̃ = C·B, which [`Compressed::row_into`] takes back to T's columns; `out.len()` = C's columns.
-    pub fn coefficient_row_into(&self, row: usize, out: &mut [f32]) {
-        self.encoded.row_into(row, out);
+    /// Reconstructs rows of C of T̃ = C·B from `first` on, which [`Compressed::rows_into`] takes back to T's columns; `out` has C's columns.
+    pub fn coefficient_rows_into(&self, first: usize, out: ArrayViewMut2<f32>) {
+        self.encoded.rows_into(first, out);
+    }
+    /// Reconstructs rows of T̃ from `first` on, one a row of `out` (rows x lights); many at once take less time than one after the other.
+    pub fn rows_into(&self, first: usize, out: ArrayViewMut2<f32>) {
+        if self.transform.is_identity() {
+            return self.encoded.rows_into(first, out);
+        }
+        let mut coefficients = Array2::zeros((out.nrows(), self.encoded.shape().lights));
+        self.encoded.rows_into(first, coefficients.view_mut());
+        self.transform.restore_rows_into(coefficients.view(), out);
     }
     /// Reconstructs a row of T̃; `out.len()` = lights.
     pub fn row_into(&self, row: usize, out: &mut [f32]) {

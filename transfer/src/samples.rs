@@ -4,6 +4,7 @@ use crate::codec::Encoded;
 use crate::error::Result;
 use crate::matrix::TransferMatrix;
 use crate::metric::Metric;
+use ndarray::{Array2, ArrayView2, Axis};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -126,6 +127,9 @@ impl<'a> Samples<'a> {
     }
 }
 
+/// Rows that are decoded at once, about.
+const AT_ONCE: usize = 64;
+
 impl Norm {
     /// The metric of a matrix; `None` where error is that of its elements.
     ///
@@ -148,19 +152,26 @@ impl Norm {
             Some(metric) => metric.square_of(rows, shape.lights),
             None => rows.iter().map(|v| v * v).sum(),
         };
-        let of_sample = |sample: usize| {
-            let (mut decoded, mut exact) = (vec![0f32; shape.lights], vec![0f32; shape.lights]);
+        let of_sample = |decoded: ArrayView2<f32>, exact: &mut [f32], sample: usize| {
             let (mut errors, mut whole) = (Vec::new(), Vec::new());
-            for row in sample * shape.responses..(sample + 1) * shape.responses {
-                encoded.row_into(row, &mut decoded);
-                matrix.gather(row, &mut exact);
-                errors.extend(decoded.iter().zip(&exact).map(|(d, e)| f64::from(*d) - f64::from(*e)));
+            for (response, decoded) in decoded.outer_iter().enumerate() {
+                matrix.gather(sample * shape.responses + response, exact);
+                errors.extend(decoded.iter().zip(&*exact).map(|(d, e)| f64::from(*d) - f64::from(*e)));
                 whole.extend(exact.iter().map(|e| f64::from(*e)));
             }
             (square(&mut errors), square(&mut whole))
         };
+        let count = AT_ONCE.div_ceil(shape.responses);
+        let task = |task: usize| {
+            let samples = task * count..shape.samples.min((task + 1) * count);
+            let mut decoded = Array2::zeros((samples.len() * shape.responses, shape.lights));
+            encoded.rows_into(samples.start * shape.responses, decoded.view_mut());
+            let (mut exact, of_samples) =
+                (vec![0f32; shape.lights], decoded.axis_chunks_iter(Axis(0), shape.responses));
+            samples.zip(of_samples).map(|(sample, rows)| of_sample(rows, &mut exact, sample)).collect::<Vec<_>>()
+        };
         // Sums do not depend on the number of threads: they are of samples, in their order.
-        let sums: Vec<(f64, f64)> = (0..shape.samples).into_par_iter().map(of_sample).collect();
+        let sums: Vec<(f64, f64)> = (0..shape.samples.div_ceil(count)).into_par_iter().flat_map_iter(task).collect();
         Ok(sums.iter().fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1)))
     }
 }

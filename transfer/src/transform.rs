@@ -34,6 +34,12 @@ pub trait LightTransform: Send + Sync {
     }
     /// A row of C becomes a row of T̃ = C·B.
     fn restore_row_into(&self, coefficients: &[f32], out: &mut [f32]);
+    /// Rows of C (one a row) become rows of T̃: as [`LightTransform::restore_row_into`] for each, for transforms that do many at once faster.
+    fn restore_rows_into(&self, coefficients: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
+        for (row, mut out) in coefficients.outer_iter().zip(out.outer_iter_mut()) {
+            self.restore_row_into(row.as_slice().expect(CONTIGUOUS), out.as_slice_mut().expect(CONTIGUOUS));
+        }
+    }
     /// `out` (C's columns x channels) = B · `lights` (T's columns x channels). Sizes have been checked.
     fn light_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>);
     /// Operations of [`LightTransform::light_into`] for one channel, counted as it runs.

@@ -1,5 +1,6 @@
 //! `prt bench`: every method on every scene, measured on what came back from its file.
 
+mod album;
 mod matched;
 mod run;
 mod selections;
@@ -8,13 +9,14 @@ use crate::assets::Assets;
 use crate::cache;
 use crate::charts;
 use crate::forecast::Forecast;
+use crate::lights::{LIGHTS, Light};
 use crate::machine::Machine;
 use crate::measure::{Bench as Measure, Pools};
 use crate::pictures::{self, Pictures};
 use crate::progress::Steps;
 use crate::results::Results;
 use crate::row::Row;
-use crate::scenes::{LIGHTS, Light, Up};
+use crate::scenes::Up;
 use crate::signal::Signal;
 use crate::suite::{Size, Subject, Suite, Wishes};
 use crate::timing::Budget;

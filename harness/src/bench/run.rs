@@ -1,19 +1,20 @@
 //! The rows and the pictures of one matrix after the other.
 
+use super::album::{Album, Key};
 use super::{Group, matched, title_of};
 use crate::cache::{self, Prepared};
 use crate::files;
 use crate::forecast::Forecast;
+use crate::lights::Light;
 use crate::measure::{Bench as Measure, Pools, Reference};
 use crate::pictures::{Candidate, Gallery, Pictures};
 use crate::progress::Steps;
 use crate::report::Selection;
 use crate::results::Results;
 use crate::row::Row;
-use crate::scenes::Light;
 use crate::suite::Origin;
 use anyhow::Context;
-use prt_transfer::Quiet;
+use prt_transfer::{LightBasis, Quiet};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -61,11 +62,11 @@ impl Run<'_> {
                 let subject = prepared.about().describe(subject);
                 let mut lazily = Lazily { origin, prepared: Some(prepared), reference: None };
                 let rows = self.rows(&mut lazily, &subject, methods, &file_name, began)?;
-                let shown = match self.shown {
-                    true => self.pictures(&mut lazily, &rows, (&title_of(&rows), &file_name))?,
-                    false => (Vec::new(), None),
+                let Album { pictures, selection, .. } = match self.shown {
+                    true => self.album(&mut lazily, &rows, (&title_of(&rows), &file_name))?,
+                    false => Album::default(),
                 };
-                (rows, shown)
+                (rows, (pictures, selection))
             }
             Err(error) => {
                 let failed = |m: &String| self.measure.planned(&subject, m).failed(format!("{error:#}"));
@@ -119,6 +120,22 @@ impl Run<'_> {
         Ok(cache::encoded(self.out, name, method))
     }
 
+    /// The pictures of an earlier run where they are of the same; else they are taken, and kept.
+    fn album(&mut self, lazily: &mut Lazily, rows: &[Row], (title, name): (&str, &str)) -> anyhow::Result<Album> {
+        self.steps.show(&format!("pictures of {name}"));
+        let basis = rows.first().and_then(|row| row.basis.parse::<LightBasis>().ok());
+        let sum = |light: &Light| basis.as_ref().map_or(0, |basis| light.checksum(basis));
+        let key = Key::new(rows, self.lights.iter().map(|(name, light)| (name.clone(), sum(light))).collect());
+        let path = cache::make(self.out.join("pictures"))?.join(format!("{name}.json"));
+        if let Some(album) = Album::read(&path, &key) {
+            return Ok(album);
+        }
+        let (pictures, selection) = self.pictures(lazily, rows, (title, name))?;
+        let album = Album::new(key, pictures, selection);
+        album.write(&path)?;
+        Ok(album)
+    }
+
     /// The scene under every light by the best model of each family within about the same bytes, or by the measured ones nearest to them, or by the
     /// user's methods as they are; written as it is returned. And the models that were searched for.
     fn pictures(
@@ -128,7 +145,6 @@ impl Run<'_> {
         (title, name): (&str, &str),
     ) -> anyhow::Result<(Vec<Pictures>, Option<Selection>)> {
         let (origin, pools) = (lazily.origin, self.measure.pools);
-        self.steps.show(&format!("pictures of {name}"));
         let (budget, candidates, selection) = if self.given {
             let all: Vec<&Row> = rows.iter().filter(|row| row.error.is_some_and(|error| error > 0.0)).collect();
             (all.iter().filter_map(|row| row.resident_bytes).max().unwrap_or(0), self.candidates(&all, name)?, None)

@@ -1,8 +1,8 @@
 //! What flickers: changes of relit output while a light turns that the exact matrix does not have.
 
 use crate::error_sums::relative;
+use crate::lights::Light;
 use crate::operator::Operator;
-use crate::scenes::Light;
 use ndarray::{Array2, s};
 use prt_transfer::{Error, Metric};
 

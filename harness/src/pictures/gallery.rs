@@ -6,16 +6,16 @@ use super::scenery::fill_behind;
 use super::viewpoint::{SIZE, Viewpoint};
 use crate::cache::safe;
 use crate::files;
+use crate::lights::Light;
 use crate::operator::Operator;
 use crate::png::Png;
-use crate::scenes::Light;
 use crate::suite::Origin;
 use anyhow::Context;
 use ndarray::Array2;
 use prt_transfer::image::Picture;
 use prt_transfer::io::image::png_bytes;
 use prt_transfer::{Compressed, Metric, Progress, TransferMatrix};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Frames of a strip, in each of which the light is turned on by as many degrees as divide a turn evenly; and their size.
@@ -26,7 +26,7 @@ const FRAME: [usize; 2] = [128, 96];
 pub(super) const OWN: &str = "own";
 
 /// The scene under one light, by every method at about the same bytes.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Pictures {
     /// Name of the light; `own` of a light field.
     pub light: String,
@@ -41,7 +41,7 @@ pub struct Pictures {
 }
 
 /// A method's picture.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Shown {
     /// The method's label.
     pub method: String,

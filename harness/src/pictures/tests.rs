@@ -1,7 +1,8 @@
 use super::*;
+use crate::lights::{Light, turned_light};
 use crate::operator::Operator;
 use crate::registry::{method, registry};
-use crate::scenes::{Light, Up, turned_light};
+use crate::scenes::Up;
 use crate::signal::{Signal, Spec};
 use crate::suite::Origin;
 use crate::{compute, files};

@@ -265,8 +265,8 @@ const CTA_AXES: &[Axis] = &[
 ];
 
 static FAMILIES: [Family; 23] = [
-    // The rivals that a reader will think of.
-    Family { base: "dense", quick: &["dense"], ..EVERYWHERE },
+    // The rivals that a reader will think of. Every element of `biscale` would take gigabytes.
+    Family { base: "dense", quick: &["dense"], ..OF_VECTORS },
     Family { base: "csr", quick: &["csr"], ..EVERYWHERE },
     Family { base: "compact", quick: &["compact"], ..EVERYWHERE },
     Family { base: "runs", quick: &["runs"], ..EVERYWHERE },

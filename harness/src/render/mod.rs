@@ -4,11 +4,12 @@ mod arguments;
 mod world;
 
 use crate::files::{self, Description};
+use crate::lights::{self, Backdrop};
 use crate::operator::Operator;
 use crate::pictures::{Comparison, Errors, Original, SAMPLES, Scenery, fill_behind};
 use crate::progress::Bar;
 use crate::registry::registry;
-use crate::scenes::{self, Backdrop};
+use crate::scenes;
 use crate::{number, terminal, worlds};
 use anyhow::bail;
 pub use arguments::{Background, Exposure, Place, Render};
@@ -96,7 +97,7 @@ fn drawn(arguments: &Render, bar: &Bar) -> anyhow::Result<Drawn> {
     let began = Instant::now();
     let view = scenery.view(camera, samples, bar)?;
     let backdrop: Backdrop = match arguments.background {
-        Background::Light => scenes::backdrop(light(arguments))?,
+        Background::Light => lights::backdrop(light(arguments))?,
         Background::Screen(_) => Box::new(|_| [0.0; 3]),
     };
     let image = match &arguments.matrix {
@@ -178,7 +179,7 @@ fn responses(arguments: &Render, path: &Path, vertices: usize) -> anyhow::Result
             bail!("{path} does not say what its rows stand for: give --responses");
         }
         let shading = Shading::new(rows, brdf.as_ref())?;
-        let light = rows.light(columns, scenes::light(light(arguments), columns)?)?;
+        let light = rows.light(columns, lights::light(light(arguments), columns)?)?;
         Ok((shading, matrix.relit(light.view())?))
     };
     if files::expect_extension(path, "prt").is_err() {
@@ -216,7 +217,7 @@ fn traced(
         return Err(Error::Unsupported { what, expected, found: basis.to_string() });
     };
     let sampling = Sampling { resolution, supersampling: arguments.supersampling.unwrap_or(usual.supersampling) };
-    let light = scenes::light(light(arguments), &basis)?;
+    let light = lights::light(light(arguments), &basis)?;
     let reference = Reference { surface: scenery.surface(), sampling, light: light.view(), brdf: &reflectance };
     reference.image(view, backdrop, progress)
 }

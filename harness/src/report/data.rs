@@ -18,7 +18,7 @@ pub struct Data {
 }
 
 /// The smallest model of each family that keeps a bound.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Selection {
     /// Of which matrix.
     pub title: String,

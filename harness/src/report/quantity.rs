@@ -208,7 +208,7 @@ static QUANTITIES: [Quantity; 22] = [
         "peak_encode_bytes",
         "enc mem",
         "peak memory of encoding, bytes",
-        "The most that the allocator had given out at once, the result included and the matrix not.",
+        "The most that the allocator had given out at once, the result included, but not the matrix nor what a library keeps for each thread.",
     )
     .of(Format::Bytes)
     .on_demand(),

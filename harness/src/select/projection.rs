@@ -88,11 +88,9 @@ impl Products {
             .into_par_iter()
             .map(|block| {
                 let range = block * BLOCK..rows.min((block + 1) * BLOCK);
-                let (mut buffer, mut coefficients) = (vec![0f32; columns], Array2::zeros((range.len(), columns)));
-                for (row, mut out) in range.clone().zip(coefficients.outer_iter_mut()) {
-                    compressed.coefficient_row_into(row, &mut buffer);
-                    out.iter_mut().zip(&buffer).for_each(|(to, &value)| *to = f64::from(value));
-                }
+                let mut single = Array2::zeros((range.len(), columns));
+                compressed.coefficient_rows_into(range.start, single.view_mut());
+                let coefficients = single.mapv(f64::from);
                 let mut product = Array2::zeros(coefficients.dim());
                 // G is its own transpose.
                 times_transposed_f64(coefficients.view(), self.gram.view(), product.view_mut());

@@ -1,8 +1,8 @@
 //! Two figures that should be one, and how far apart they may be.
 
 use super::decoder::Answer;
+use crate::lights::LIGHTS;
 use crate::row::Row;
-use crate::scenes::LIGHTS;
 use prt_transfer::Label;
 
 /// Codecs that keep every element, unless they are given a bound on the error.

@@ -2,7 +2,7 @@
 
 use super::plan::Work;
 use crate::files;
-use crate::scenes::{self, LIGHTS};
+use crate::lights::{self, LIGHTS};
 use anyhow::{Context, bail};
 use prt_transfer::LightBasis;
 use serde::{Deserialize, Serialize};
@@ -113,7 +113,7 @@ fn described<'a>(works: &'a [Work], folder: &Path) -> anyhow::Result<serde_json:
 fn written(basis: &LightBasis, folder: &Path, number: usize) -> anyhow::Result<BTreeMap<String, PathBuf>> {
     let mut paths = BTreeMap::new();
     for name in LIGHTS {
-        let Ok(light) = scenes::light(name, basis) else { break };
+        let Ok(light) = lights::light(name, basis) else { break };
         let path = folder.join(format!("{name}-{number}.npy"));
         files::write_array(&path, light.view())?;
         paths.insert(name.to_string(), path);
@@ -151,7 +151,7 @@ mod tests {
         assert_eq!(paths.keys().collect::<Vec<_>>(), ["room", "sky"]);
         assert_eq!(
             files::read_lights(&paths["sky"]).unwrap(),
-            scenes::light("sky", &"cubemap:2".parse().unwrap()).unwrap()
+            lights::light("sky", &"cubemap:2".parse().unwrap()).unwrap()
         );
     }
 }

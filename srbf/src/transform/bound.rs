@@ -7,7 +7,7 @@ use super::params::{Centers, Coordinates, Ridge, SrbfParams};
 use super::ridge::Regularised;
 use crate::kernel::Kernel;
 use crate::light::ScatteredLight;
-use ndarray::{Array2, ArrayView2, ArrayViewMut2};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
 use prt_transfer::basis::Direction;
 use prt_transfer::params::Value;
 use prt_transfer::sections::broken;
@@ -25,6 +25,9 @@ pub struct BoundSrbf {
     lower: Lower,
     ridge: f64,
 }
+
+/// Texels whose values are brought together at a time: a cache line of each row.
+const TILE: usize = 16;
 
 impl BoundSrbf {
     /// With this ridge, whatever the parameters say.
@@ -142,8 +145,6 @@ impl BoundSrbf {
 
     /// B D⁻¹ Tᵀ of several rows of T: lobes x rows.
     fn project(&self, rows: ArrayView2<f32>) -> Array2<f64> {
-        // Texels whose values are brought together at a time: a cache line of each row.
-        const TILE: usize = 16;
         let mut sums = Array2::zeros((self.lobes.len(), rows.nrows()));
         let mut tile = Array2::<f64>::zeros((TILE, rows.nrows()));
         for first in (0..rows.ncols()).step_by(TILE) {
@@ -217,6 +218,27 @@ impl LightTransform for BoundSrbf {
             let (lobes, values) = self.moments.of(k);
             let sum: f64 = lobes.iter().zip(values).map(|(&j, &b)| c[j as usize] * f64::from(b)).sum();
             *out = sum as f32;
+        }
+    }
+
+    fn restore_rows_into(&self, coefficients: ArrayView2<f32>, mut out: ArrayViewMut2<f32>) {
+        // Lobes x rows, so that a moment meets all rows at once.
+        let mut c = Array2::zeros((self.lobes.len(), coefficients.nrows()));
+        c.zip_mut_with(&coefficients.t(), |to, &c| *to = f64::from(c));
+        if self.params.coordinates == Coordinates::Orthonormal {
+            self.lower.backward_columns(c.view_mut());
+        }
+        let mut tile = Array2::<f64>::zeros((TILE, coefficients.nrows()));
+        for first in (0..out.ncols()).step_by(TILE) {
+            let columns = first..out.ncols().min(first + TILE);
+            tile.fill(0.0);
+            for (k, mut sums) in columns.clone().zip(tile.outer_iter_mut()) {
+                let (lobes, values) = self.moments.of(k);
+                lobes.iter().zip(values).for_each(|(&j, &b)| sums.scaled_add(b.into(), &c.row(j as usize)));
+            }
+            let sums = tile.slice_axis(Axis(0), (..columns.len()).into());
+            let mut out = out.slice_axis_mut(Axis(1), columns.into());
+            out.zip_mut_with(&sums.t(), |out, &sum| *out = sum as f32);
         }
     }
 

@@ -54,6 +54,11 @@ impl Lower {
         self.whole().solve_lower(x);
     }
 
+    /// As [`Lower::backward`] for every column of `x` (n x columns), contiguous.
+    pub(super) fn backward_columns(&self, x: ArrayViewMut2<f64>) {
+        self.whole().solve_upper(x);
+    }
+
     /// [`Lower::forward`], then [`Lower::backward`], for every column of `x` (n x columns), contiguous.
     pub(super) fn solve_columns(&self, x: ArrayViewMut2<f64>) {
         self.whole().solve(x);
@@ -96,14 +101,18 @@ mod tests {
         for n in [1, 2, 9, 40] {
             let lower = lower(n);
             let columns = Array2::from_shape_fn((n, 3), |(i, c)| ((i * 5 + c * 2) % 7) as f64 - 3.0);
-            let (mut forward, mut solved) = (columns.clone(), columns.clone());
+            let [mut forward, mut backward, mut solved] = [columns.clone(), columns.clone(), columns.clone()];
             lower.forward_columns(forward.view_mut());
+            lower.backward_columns(backward.view_mut());
             lower.solve_columns(solved.view_mut());
             for c in 0..3 {
                 let mut x = columns.column(c).to_vec();
                 lower.forward(&mut x, &mut NoCount);
                 assert!(x.iter().zip(forward.column(c)).all(|(a, b)| (a - b).abs() < 1e-12), "{n}");
                 lower.backward(&mut x);
+                let mut y = columns.column(c).to_vec();
+                lower.backward(&mut y);
+                assert!(y.iter().zip(backward.column(c)).all(|(a, b)| (a - b).abs() < 1e-12), "{n}");
                 assert!(x.iter().zip(solved.column(c)).all(|(a, b)| (a - b).abs() < 1e-12), "{n}");
             }
         }

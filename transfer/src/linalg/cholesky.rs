@@ -59,8 +59,16 @@ impl Cholesky {
     /// Sizes that do not agree, an array that is not contiguous.
     pub fn solve(&self, mut b: ArrayViewMut2<f64>) {
         self.solve_lower(b.view_mut());
-        let (lower, upper) = (self.0.view(), lent_mut(&mut b));
-        solve_upper_triangular_in_place(lent(&lower).transpose(), upper, Par::Seq);
+        self.solve_upper(b);
+    }
+
+    /// `b` (n x right-hand sides) becomes L⁻ᵀ b.
+    ///
+    /// # Panics
+    /// Sizes that do not agree, an array that is not contiguous.
+    pub fn solve_upper(&self, mut b: ArrayViewMut2<f64>) {
+        let lower = self.0.view();
+        solve_upper_triangular_in_place(lent(&lower).transpose(), lent_mut(&mut b), Par::Seq);
     }
 
     /// `b` (n x right-hand sides) becomes L⁻¹ b.

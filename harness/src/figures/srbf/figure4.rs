@@ -4,7 +4,7 @@ use super::lights::images;
 use super::restored::{BASIS, area_weighted, haar, harmonics, relative_error};
 use crate::figures::stage::{Stage, title};
 use crate::figures::{Drawing, Figure};
-use crate::scenes;
+use crate::lights;
 use crate::tables::beside::{Beside, Cell, Column, Line};
 use ndarray::Array2;
 use prt_srbf::fit::{FitParams, fit};
@@ -61,8 +61,8 @@ fn lobes(light: &Array2<f32>) -> anyhow::Result<Array2<f32>> {
 fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     // A folder of meshes has no lights.
     let images = stage.folder().and_then(|folder| images(folder).ok());
-    let names = images.unwrap_or_else(|| scenes::LIGHTS.map(String::from).to_vec());
-    let lights = names.iter().map(|name| Ok((title(name), scenes::light(name, &BASIS)?)));
+    let names = images.unwrap_or_else(|| lights::LIGHTS.map(String::from).to_vec());
+    let lights = names.iter().map(|name| Ok((title(name), lights::light(name, &BASIS)?)));
     let lights = lights.collect::<anyhow::Result<Vec<(String, Array2<f32>)>>>()?;
     stage.steps.more(lights.len() * METHODS.iter().map(|printed| printed.ours.len()).sum::<usize>());
     let lines = METHODS.iter().flat_map(|printed| {
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn what_is_lost_of_a_lamp_and_what_rings_is_measured() {
-        let light = scenes::light("room", &BASIS).unwrap();
+        let light = lights::light("room", &BASIS).unwrap();
         assert_eq!((brightest(&light, &light), negative(&light, &light)), (1.0, 0.0));
         let half = &light * 0.5;
         assert!((brightest(&light, &half) - 0.5).abs() < 1e-9);

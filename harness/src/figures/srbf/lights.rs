@@ -6,7 +6,7 @@ use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
 use crate::machine::Machine;
 use crate::table::aligned;
-use crate::{number, scenes};
+use crate::{lights, number};
 use anyhow::Context;
 use prt_srbf::fit::{FitParams, fit};
 use prt_transfer::Quiet;
@@ -43,7 +43,7 @@ struct Outcome {
 fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let names = match stage.folder() {
         Some(folder) => images(folder)?,
-        None => scenes::LIGHTS.map(String::from).to_vec(),
+        None => lights::LIGHTS.map(String::from).to_vec(),
     };
     let charted = names.len() <= CHARTED;
     let counts = if charted { LOBES[usize::from(stage.folder().is_some())] } else { PAPER_LOBES };
@@ -72,7 +72,7 @@ pub(super) fn images(folder: &Path) -> anyhow::Result<Vec<String>> {
 }
 
 fn of_light(stage: &Stage, name: &str, counts: &[usize]) -> anyhow::Result<Vec<Outcome>> {
-    let light = scenes::light(name, &BASIS)?;
+    let light = lights::light(name, &BASIS)?;
     let title = Path::new(name).file_stem().map_or_else(|| name.into(), |stem| stem.to_string_lossy().into_owned());
     let outcome = |method: usize, numbers, relative_squared_error, seconds| {
         let light = title.clone();

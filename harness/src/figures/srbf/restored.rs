@@ -80,11 +80,11 @@ pub(super) fn harmonics(light: &Array2<f32>, order: usize) -> Result<Array2<f32>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenes;
+    use crate::lights;
 
     #[test]
     fn haar_and_harmonics_leave_what_their_coefficients_do_not_hold() {
-        let light = scenes::light("room", &BASIS).unwrap();
+        let light = lights::light("room", &BASIS).unwrap();
         let left = [0, 10, 100, 1000, BASIS.lights()].map(|n| relative_error(&light, &haar(&light, n).unwrap()));
         assert!(left[0] == 1.0 && left[4] < 1e-12 && left.is_sorted_by(|a, b| a > b), "{left:?}");
         let error = |order| relative_error(&light, &harmonics(&light, order).unwrap());
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn weighting_by_area_has_more_error_than_the_largest_coefficients() {
-        let light = scenes::light("room", &BASIS).unwrap();
+        let light = lights::light("room", &BASIS).unwrap();
         let [largest, weighted] = [haar(&light, 100), area_weighted(&light, 100)].map(|found| found.unwrap());
         let [largest, weighted] = [largest, weighted].map(|found| relative_error(&light, &found));
         assert!(largest < weighted && weighted < 1.0, "{largest} {weighted}");

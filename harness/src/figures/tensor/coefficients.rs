@@ -3,7 +3,7 @@
 use super::{spec, title};
 use crate::compute::Computation;
 use crate::figures::stage::{Mesh, Stage};
-use crate::scenes::{self, LIGHTS};
+use crate::lights::{self, LIGHTS};
 use anyhow::Context;
 use ndarray::Array2;
 use prt_transfer::samples::square;
@@ -66,7 +66,7 @@ impl Coefficients {
 }
 
 fn light(signal: &dyn DenseSignal, bound: &dyn LightTransform) -> anyhow::Result<Array2<f32>> {
-    let texels = scenes::light(LIGHTS[0], &signal.basis())?;
+    let texels = lights::light(LIGHTS[0], &signal.basis())?;
     let mut coefficients = Array2::zeros((bound.output().lights(), texels.ncols()));
     bound.light_into(texels.view(), coefficients.view_mut());
     Ok(coefficients)

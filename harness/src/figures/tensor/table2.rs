@@ -5,7 +5,7 @@ use super::{available, label, own_clusters, spec, table2_layout};
 use crate::figures::setting::{Curve, Setting};
 use crate::figures::stage::{Mesh, Stage, Subject};
 use crate::figures::{Drawing, Figure};
-use crate::scenes::{self, LIGHTS};
+use crate::lights::{self, LIGHTS};
 use crate::signal::Spec;
 use ndarray::Array2;
 use prt_cpca::{Clusters, CpcaParams, Mode};
@@ -51,7 +51,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
 pub(super) fn drawing(stage: &Stage, spec: &Spec, sizes: &[usize]) -> anyhow::Result<Drawing> {
     let subject = stage.subject(&available(stage, &MESH), spec)?;
     let segments = Segments::of(stage, subject.matrix(), HAAR)?;
-    let light = scenes::light(LIGHTS[0], subject.matrix().basis())?;
+    let light = lights::light(LIGHTS[0], subject.matrix().basis())?;
     let mut rivals = Rivals { stage, subject: &subject, segments: &segments, light: &light, stored: [1.0; 4] };
     let mut lines = Vec::new();
     for &size in sizes {
