@@ -68,7 +68,7 @@ def read_cpca(file, lights):
     start = np.cumsum(of_sample) - of_sample
     component = np.repeat((first - np.arange(clusters))[members], of_sample) + ranges(of_sample)
     weights = numbers(file, "weights/weights", "weights/scales", widths[1], component, vectors - clusters, component.shape)
-    file.resident += 8 * (clusters + -(-samples // STRIDE)) if differ else 0
+    file.resident += 8 * (clusters + samples // STRIDE + 1) if differ else 0
 
     def block(begin, end):
         chosen = slice(begin // file.responses, end // file.responses)
@@ -102,7 +102,7 @@ def read_cta(file, lights):
     light_start, dual_start = [np.append(0, np.cumsum(n)) for n in (light_ranks, views * light_ranks * sample_ranks)]
     start = (np.cumsum(of_member) - of_member).reshape(samples, m)
     members = members.reshape(samples, m)
-    file.resident += 8 * (5 * clusters + (-(-samples // STRIDE) if differ else 0))
+    file.resident += 8 * (5 * clusters + (samples // STRIDE + 1 if differ else 0))
 
     def block(begin, end):
         chosen = slice(begin // responses, end // responses)

@@ -52,11 +52,11 @@ mod tests {
         assert!(read(out.path()).unwrap().is_empty());
         let folder = out.path().join("select-glossy");
         std::fs::create_dir(&folder).unwrap();
-        let row = r#"{"family":"pca","method":"pca","kept":KEPT,"bytes":9,"error":0.5,"encodes":4,"grid_method":null,"grid_bytes":8,"grid_encodes":99,"relight_ms":null,"reason":""}"#;
+        let row = r#"{"family":"pca","method":"pca","kept":KEPT,"bytes":9,"error":0.5,"encodes":4,"grid_method":null,"grid_bytes":8,"grid_error":0.25,"gap_percent":-1.5,"grid_encodes":99,"relight_ms":null,"reason":""}"#;
         let rows = ["true", "false"].map(|kept| row.replace("KEPT", kept)).join(",");
         std::fs::write(folder.join("select.json"), format!(r#"{{"title":"T","bound":"B","rows":[{rows}]}}"#)).unwrap();
         let selections = read(out.path()).unwrap();
-        assert_eq!((selections.len(), selections[0].rows.len(), selections[0].rows[0].grid_bytes), (1, 1, Some(8)));
+        assert_eq!((selections.len(), selections[0].rows.len(), selections[0].rows[0].gap_percent), (1, 1, Some(-1.5)));
         std::fs::write(folder.join("select.json"), "[]").unwrap();
         assert!(read(out.path()).unwrap_err().to_string().contains("select-glossy"));
     }

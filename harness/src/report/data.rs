@@ -13,11 +13,11 @@ pub struct Data {
     pub machine: Machine,
     /// On which matrices.
     pub groups: Vec<Group>,
-    /// The smallest models that keep a bound; empty where nobody searched.
+    /// The best models within a bound; empty where nobody searched.
     pub selections: Vec<Selection>,
 }
 
-/// The smallest model of each family that keeps a bound.
+/// The best model of each family within a bound.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Selection {
     /// Of which matrix.
@@ -28,7 +28,7 @@ pub struct Selection {
     pub rows: Vec<Selected>,
 }
 
-/// The smallest model of a family, beside the smallest one of an exhaustive grid of parameters.
+/// The best model of a family within a bound, beside the best one of an exhaustive grid of parameters.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Selected {
     /// Transform and codec without parameters.
@@ -37,7 +37,7 @@ pub struct Selected {
     pub method: String,
     /// What it takes.
     pub bytes: u64,
-    /// What it leaves of the bound.
+    /// Its error.
     pub error: f64,
     /// Models that were made to find it.
     pub encodes: u64,
@@ -45,6 +45,10 @@ pub struct Selected {
     pub grid_method: Option<String>,
     /// What that takes.
     pub grid_bytes: Option<u64>,
+    /// What that leaves.
+    pub grid_error: Option<f64>,
+    /// By how much more than the grid's model it has of what is least: bytes under a bound of error, else error; %.
+    pub gap_percent: Option<f64>,
     /// Models of the grid.
     pub grid_encodes: Option<u64>,
     /// Relighting one channel on one thread, median, ms.

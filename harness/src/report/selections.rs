@@ -1,4 +1,4 @@
-//! The smallest models that keep a bound, beside what a grid finds.
+//! The best models within a bound, beside what a grid finds.
 
 use super::data::{Selected, Selection};
 use super::html::escape;
@@ -14,8 +14,19 @@ pub(super) fn tables(selections: &[Selection]) -> String {
 fn table(selection: &Selection) -> String {
     let largest = selection.rows.iter().map(|row| row.bytes).max().unwrap_or(0);
     let rows: String = selection.rows.iter().map(|row| line(row, largest)).collect();
-    let heads =
-        ["family", "model", "bytes", "error", "1 thr, ms", "encodes", "model of the grid", "bytes", "gap", "encodes"];
+    let heads = [
+        "family",
+        "model",
+        "bytes",
+        "error",
+        "1 thr, ms",
+        "encodes",
+        "model of the grid",
+        "bytes",
+        "error",
+        "gap",
+        "encodes",
+    ];
     let heads: String = heads.iter().map(|head| format!("<th scope=\"col\">{head}</th>")).collect();
     format!(
         "<div class=\"scroll\"><table class=\"selection\">\n<caption>{} · <span class=\"bound\">{}</span></caption>\n\
@@ -33,7 +44,8 @@ fn line(row: &Selected, largest: u64) -> String {
         row.encodes.to_string(),
         or_none(row.grid_method.as_deref().map(escape)),
         or_none(row.grid_bytes.map(bytes)),
-        or_none(row.grid_bytes.and_then(|grid| gap(row.bytes, grid))),
+        or_none(row.grid_error.map(short)),
+        or_none(row.gap_percent.map(gap)),
         or_none(row.grid_encodes.and_then(|grid| share(row.encodes, grid))),
     ];
     let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
@@ -44,9 +56,10 @@ fn line(row: &Selected, largest: u64) -> String {
     )
 }
 
-/// How much larger than the grid's the selected model is, in percent.
-fn gap(bytes: u64, grid: u64) -> Option<String> {
-    (grid > 0).then(|| format!("{:+.1} %", 100.0 * (bytes as f64 / grid as f64 - 1.0)).replace('-', "−"))
+/// How much more than the grid's the selected model takes.
+fn gap(percent: f64) -> String {
+    // Not -0.0.
+    format!("{:+.1} %", if percent.abs() < 0.05 { 0.0 } else { percent }).replace('-', "−")
 }
 
 /// Encodes of the selection, as a part of the grid's.
@@ -60,9 +73,7 @@ mod tests {
 
     #[test]
     fn the_gap_is_what_the_grid_saves_and_the_share_what_it_costs() {
-        assert_eq!(gap(110, 100).as_deref(), Some("+10.0 %"));
-        assert_eq!(gap(95, 100).as_deref(), Some("−5.0 %"));
-        assert_eq!(gap(1, 0), None);
+        assert_eq!([10.0, -5.0, -0.01].map(gap), ["+10.0 %", "−5.0 %", "+0.0 %"]);
         assert_eq!(share(12, 240).as_deref(), Some("5 % of 240"));
     }
 
@@ -72,6 +83,6 @@ mod tests {
         let html =
             tables(&[Selection { title: "teapot".into(), bound: "error ≤ 1e-3".into(), rows: vec![selected] }]);
         assert!(html.contains("&lt;cpca&gt;") && html.contains("error ≤ 1e-3"));
-        assert_eq!(html.matches("<td>–</td>").count(), 5, "{html}");
+        assert_eq!(html.matches("<td>–</td>").count(), 6, "{html}");
     }
 }

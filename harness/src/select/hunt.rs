@@ -133,6 +133,7 @@ impl<'a, 'b> Hunt<'a, 'b> {
     /// The outcome: the best model as it is read back from its file.
     pub(super) fn finish(self) -> Result<Outcome> {
         let Hunt { trials, log: Log { grid, goal, entries }, labels, mut best, estimates, .. } = self;
+        trials.kept()?;
         let mut tried: Vec<&Trial> = entries.iter().filter_map(Entry::trial).collect();
         tried.sort_by(|a, b| goal.order(a, b));
         let seconds = tried.iter().map(|trial| trial.seconds).sum();

@@ -11,6 +11,7 @@ mod estimates;
 mod grid;
 mod halving;
 mod hunt;
+mod ledger;
 mod models;
 mod narrow;
 mod projection;
@@ -34,7 +35,7 @@ use crate::registry::registry;
 use crate::scenes::Up;
 use crate::signal::Signal;
 use crate::timing::Budget;
-use crate::{files, terminal};
+use crate::{cache, files, terminal};
 use anyhow::{Result, bail};
 use clap::{ArgGroup, Args};
 use prt_transfer::{Label, LightBasis, Registry, ResponseBasis};
@@ -98,7 +99,7 @@ pub struct Select {
     /// Where to write the best model
     #[arg(short, long, value_name = "FILE.prt")]
     pub output: Option<PathBuf>,
-    /// Folder for select.csv and select.json
+    /// Folder for select.csv and select.json, and for trials.csv: what was tried there is not tried again
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print rows, winner, encodes and estimates as one JSON object
@@ -127,6 +128,9 @@ pub fn run(arguments: &Select, threads: usize) -> Result<()> {
     let bench = Bench { registry: &registry, pools: &pools, budget: Budget::of(Duration::from_millis(30)) };
     let goal = arguments.goal();
     let mut search = Search::new(&bench, &reference, goal)?;
+    if let Some(folder) = &arguments.out {
+        search.keep_in(&cache::make(folder.clone())?.join("trials.csv"))?;
+    }
     let (mut rows, mut best) = (Vec::new(), None::<Found>);
     let steps = Steps::new(candidates.len());
     for candidate in &candidates {

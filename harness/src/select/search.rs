@@ -9,6 +9,7 @@ use crate::measure::{Bench, Reference};
 use crate::registry::families::Family;
 use anyhow::{Result, ensure};
 use prt_transfer::Label;
+use std::path::Path;
 
 /// Searches one matrix. What was tried once is known to every later search.
 pub struct Search<'a> {
@@ -79,6 +80,14 @@ impl<'a> Search<'a> {
     pub fn set_bound(&mut self, bound: Bound) {
         self.goal.bound = bound;
         self.trials.set_timed(matches!(bound, Bound::Relight(_)));
+    }
+
+    /// Begins with what a file knows of the matrix from an earlier search, and adds to it whatever is tried.
+    ///
+    /// # Errors
+    /// A file that cannot be read and written.
+    pub fn keep_in(&mut self, path: &Path) -> Result<()> {
+        self.trials.keep_in(path)
     }
 
     /// What is looked for.

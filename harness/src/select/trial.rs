@@ -1,6 +1,8 @@
 //! A model that was tried: encoded, sized and held against the matrix.
 
+use super::ledger::Ledger;
 use super::projection::Projection;
+use crate::fingerprint;
 use crate::measure::{Bench, Reference};
 use crate::suite::DENSE_LIMIT;
 use crate::{files, number};
@@ -9,6 +11,7 @@ use prt_transfer::method::Transformed;
 use prt_transfer::{Compressed, Label, Quiet, Registry};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -40,6 +43,16 @@ pub(super) enum Attempt {
     Failed(String),
 }
 
+impl Attempt {
+    /// Whether it says what is asked: a time where relighting is timed.
+    fn is_enough(&self, timed: bool) -> bool {
+        match self {
+            Attempt::Tried(trial) => !timed || trial.relight_ms.is_some(),
+            Attempt::Failed(_) => true,
+        }
+    }
+}
+
 /// Tries labels on one matrix, each once. What a light transform makes of the matrix is made once for all labels.
 pub(super) struct Trials<'a> {
     bench: &'a Bench<'a>,
@@ -47,6 +60,9 @@ pub(super) struct Trials<'a> {
     /// Whether relighting is timed.
     timed: bool,
     known: HashMap<String, Attempt>,
+    ledger: Option<Ledger>,
+    /// Why a trial could not be kept.
+    unkept: Option<anyhow::Error>,
     transformed: HashMap<String, Arc<Shared>>,
 }
 
@@ -62,14 +78,33 @@ const HELD: usize = 3;
 impl<'a> Trials<'a> {
     /// Nothing has been tried.
     pub(super) fn new(bench: &'a Bench<'a>, reference: &'a Reference, timed: bool) -> Trials<'a> {
-        Trials { bench, reference, timed, known: HashMap::new(), transformed: HashMap::new() }
+        Trials {
+            bench,
+            reference,
+            timed,
+            known: HashMap::new(),
+            ledger: None,
+            unkept: None,
+            transformed: HashMap::new(),
+        }
+    }
+
+    /// Begins with what a file knows of the matrix, and adds to it.
+    pub(super) fn keep_in(&mut self, path: &Path) -> Result<()> {
+        let (ledger, known) = Ledger::open(path, fingerprint::matrix(self.reference.matrix()))?;
+        self.known.extend(known.into_iter().filter(|(_, attempt)| attempt.is_enough(self.timed)));
+        self.ledger = Some(ledger);
+        Ok(())
+    }
+
+    /// Fails where a trial could not be kept.
+    pub(super) fn kept(&mut self) -> Result<()> {
+        self.unkept.take().map_or(Ok(()), Err)
     }
 
     /// Whether relighting is timed from now on; what was tried without is forgotten then.
     pub(super) fn set_timed(&mut self, timed: bool) {
-        if timed && !self.timed {
-            self.known.clear();
-        }
+        self.known.retain(|_, attempt| attempt.is_enough(timed));
         self.timed = timed;
     }
 
@@ -96,6 +131,11 @@ impl<'a> Trials<'a> {
             Ok(Err(error)) => (Attempt::Failed(format!("{error:#}")), None),
             Err(_) => (Attempt::Failed("the method panicked: a mistake in the program".into()), None),
         };
+        if let Some(ledger) = &mut self.ledger
+            && self.unkept.is_none()
+        {
+            self.unkept = ledger.add(&name, &attempt).err();
+        }
         self.known.insert(name, attempt.clone());
         (attempt, file)
     }

@@ -1,0 +1,125 @@
+//! trials.csv: every model that was tried, so that a search that was stopped goes on where it was, and one for another bound begins with what is known.
+
+use super::trial::{Attempt, Trial};
+use crate::fingerprint;
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+use std::fs::{File, OpenOptions};
+use std::path::Path;
+
+/// The file, to which every trial is added.
+pub(super) struct Ledger {
+    writer: csv::Writer<File>,
+    fingerprint: String,
+}
+
+/// A line of the file.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Line {
+    program: String,
+    fingerprint: String,
+    method: String,
+    error: Option<f64>,
+    error_sphere: Option<f64>,
+    file_bytes: Option<u64>,
+    resident_bytes: Option<u64>,
+    relight_ms: Option<f64>,
+    seconds: Option<f64>,
+    reason: String,
+}
+
+impl Ledger {
+    /// Opens the file, and says what it knows of the matrix with this fingerprint from the same program. A line that was cut off counts for nothing.
+    pub(super) fn open(path: &Path, fingerprint: String) -> Result<(Ledger, Vec<(String, Attempt)>)> {
+        let place = || format!("cannot use {}", path.display());
+        let lines: Vec<Line> = match path.exists() {
+            true => csv::Reader::from_path(path).with_context(place)?.deserialize().filter_map(|l| l.ok()).collect(),
+            false => Vec::new(),
+        };
+        let ours = |line: &&Line| line.program == fingerprint::program() && line.fingerprint == fingerprint;
+        let known = lines.iter().filter(ours).map(|line| (line.method.clone(), line.attempt())).collect();
+        // Written anew: what a crash left at the end would swallow the next line.
+        let file = OpenOptions::new().create(true).write(true).truncate(true).open(path).with_context(place)?;
+        let mut ledger = Ledger { writer: csv::Writer::from_writer(file), fingerprint };
+        lines.iter().try_for_each(|line| ledger.put(line)).with_context(place)?;
+        Ok((ledger, known))
+    }
+
+    /// Adds what came of a label.
+    pub(super) fn add(&mut self, method: &str, attempt: &Attempt) -> Result<()> {
+        let line = Line {
+            program: fingerprint::program().into(),
+            fingerprint: self.fingerprint.clone(),
+            method: method.into(),
+            ..Line::of(attempt)
+        };
+        self.put(&line).context("cannot write trials.csv")
+    }
+
+    fn put(&mut self, line: &Line) -> Result<()> {
+        self.writer.serialize(line)?;
+        Ok(self.writer.flush()?)
+    }
+}
+
+impl Line {
+    fn of(attempt: &Attempt) -> Line {
+        match attempt {
+            Attempt::Failed(why) => Line { reason: why.clone(), ..Line::default() },
+            Attempt::Tried(trial) => Line {
+                error: Some(trial.error),
+                error_sphere: trial.error_sphere,
+                file_bytes: Some(trial.file_bytes),
+                resident_bytes: Some(trial.resident_bytes),
+                relight_ms: trial.relight_ms,
+                seconds: Some(trial.seconds),
+                ..Line::default()
+            },
+        }
+    }
+
+    fn attempt(&self) -> Attempt {
+        match (self.error, self.file_bytes, self.resident_bytes) {
+            (Some(error), Some(file_bytes), Some(resident_bytes)) => Attempt::Tried(Trial {
+                label: self.method.clone(),
+                error,
+                error_sphere: self.error_sphere,
+                file_bytes,
+                resident_bytes,
+                relight_ms: self.relight_ms,
+                seconds: self.seconds.unwrap_or_default(),
+            }),
+            _ => Attempt::Failed(self.reason.clone()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trials_are_known_again_to_the_same_program_and_matrix_and_a_torn_line_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trials.csv");
+        let trial = Trial {
+            label: "pca".into(),
+            error: 1.0 / 3.0,
+            file_bytes: 7,
+            resident_bytes: 8,
+            relight_ms: Some(0.1),
+            ..Trial::default()
+        };
+        let (mut ledger, known) = Ledger::open(&path, "a".into()).unwrap();
+        assert!(known.is_empty());
+        ledger.add("pca", &Attempt::Tried(trial.clone())).unwrap();
+        ledger.add("cta", &Attempt::Failed("no, \"not\" here".into())).unwrap();
+        drop(ledger);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(&path, format!("{text}0.1.0,a,vq,0.2")).unwrap();
+        assert!(Ledger::open(&path, "b".into()).unwrap().1.is_empty());
+        let (_, known) = Ledger::open(&path, "a".into()).unwrap();
+        let [(pca, Attempt::Tried(found)), (cta, Attempt::Failed(why))] = &known[..] else { panic!("{known:?}") };
+        assert_eq!((pca.as_str(), found, cta.as_str(), why.as_str()), ("pca", &trial, "cta", "no, \"not\" here"));
+    }
+}
