@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 /// Encoding is repeated so often …
 const ENCODE_RUNS: usize = 7;
 /// … or until so much time has passed.
-const ENCODE_BUDGET: Duration = Duration::from_millis(200);
+const ENCODE_BUDGET: Duration = Duration::from_millis(120);
 
 /// Threads to measure on: pools of their own, so that nothing else runs in them.
 pub struct Pools {

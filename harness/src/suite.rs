@@ -17,7 +17,7 @@ use std::time::Duration;
 pub enum Size {
     /// Half a minute: one tiny scene.
     Quick,
-    /// Within three minutes on two cores, precomputation included.
+    /// Within five minutes on two cores, precomputation and pictures included.
     Standard,
     /// As long as it takes: every scene, denser, more parameters.
     Full,
@@ -131,14 +131,16 @@ impl Suite {
 }
 
 impl Subject {
-    /// What the measurement of each method may take, s, the matrix counted with the first: a guess from two cores that the run corrects.
-    pub fn guesses(&self) -> Vec<f64> {
-        let [matrix, method] = match self.origin.kind() {
-            Kind::Biscale => [1.0, 1.6],
-            Kind::Terms => [1.5, 1.5],
-            Kind::Diffuse | Kind::Other => [1.0, 0.8],
-            Kind::Glossy => [0.5, 0.7],
-            Kind::Field => [5.0, 1.0],
+    /// What the measurement of each method may take, s, the matrix counted with the first, and then its pictures: a guess from two cores that the
+    /// run corrects.
+    pub fn guesses(&self, shown: bool) -> Vec<f64> {
+        let [matrix, method, pictures] = match self.origin.kind() {
+            Kind::Biscale => [1.0, 1.1, 4.0],
+            Kind::Terms => [3.0, 1.1, 4.0],
+            Kind::Diffuse => [1.0, 0.5, 10.0],
+            Kind::Other => [1.0, 0.5, 0.0],
+            Kind::Glossy => [0.5, 0.4, 5.0],
+            Kind::Field => [3.0, 0.9, 6.0],
         };
         let scale = match &self.origin {
             Origin::Scene { vertices: Some(vertices), .. } => (*vertices as f64 / 400.0).max(0.5),
@@ -146,6 +148,7 @@ impl Subject {
         };
         let mut guesses = vec![scale * method; self.methods.len()];
         guesses.iter_mut().take(1).for_each(|first| *first += scale * matrix);
+        guesses.extend(shown.then_some(scale * pictures));
         guesses
     }
 }
@@ -178,8 +181,7 @@ impl Size {
 
     fn budget(self) -> Duration {
         Duration::from_millis(match self {
-            Size::Quick => 30,
-            Size::Standard => 40,
+            Size::Quick | Size::Standard => 30,
             Size::Full => 500,
         })
     }

@@ -103,7 +103,9 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
         out: &out,
         results: Results::open(out.join("results.csv"))?,
         steps: Steps::new(suite.rows()),
-        forecast: Forecast::new(suite.subjects.iter().flat_map(Subject::guesses).collect()),
+        forecast: Forecast::new(
+            suite.subjects.iter().flat_map(|subject| subject.guesses(!arguments.no_pictures)).collect(),
+        ),
         given: !arguments.methods.is_empty(),
         shown: !arguments.no_pictures,
         lights,

@@ -73,7 +73,7 @@ impl Run<'_> {
                 let rows: Vec<Row> = methods.iter().map(failed).collect();
                 rows.iter().try_for_each(|row| self.results.put(row.clone()))?;
                 self.steps.done(rows.len());
-                self.forecast.skip(rows.len());
+                self.forecast.skip(rows.len() + usize::from(self.shown));
                 (rows, (Vec::new(), None))
             }
         };
@@ -128,11 +128,14 @@ impl Run<'_> {
         let key = Key::new(rows, self.lights.iter().map(|(name, light)| (name.clone(), sum(light))).collect());
         let path = cache::make(self.out.join("pictures"))?.join(format!("{name}.json"));
         if let Some(album) = Album::read(&path, &key) {
+            self.forecast.skip(1);
             return Ok(album);
         }
+        let began = Instant::now();
         let (pictures, selection) = self.pictures(lazily, rows, (title, name))?;
         let album = Album::new(key, pictures, selection);
         album.write(&path)?;
+        self.forecast.took(began.elapsed());
         Ok(album)
     }
 
