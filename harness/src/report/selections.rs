@@ -13,21 +13,12 @@ pub(super) fn tables(selections: &[Selection]) -> String {
 
 fn table(selection: &Selection) -> String {
     let largest = selection.rows.iter().map(|row| row.bytes).max().unwrap_or(0);
-    let rows: String = selection.rows.iter().map(|row| line(row, largest)).collect();
-    let heads = [
-        "family",
-        "model",
-        "bytes",
-        "error",
-        "1 thr, ms",
-        "encodes",
-        "model of the grid",
-        "bytes",
-        "error",
-        "gap",
-        "encodes",
-    ];
-    let heads: String = heads.iter().map(|head| format!("<th scope=\"col\">{head}</th>")).collect();
+    // Where no grid was tried there is nothing to stand in its columns.
+    let beside = selection.rows.iter().any(|row| row.grid_encodes.is_some());
+    let rows: String = selection.rows.iter().map(|row| line(row, largest, beside)).collect();
+    let (ours, grid) =
+        (["family", "model", "bytes", "error", "1 thr, ms", "encodes"], if beside { &GRID[..] } else { &[] });
+    let heads: String = ours.iter().chain(grid).map(|head| format!("<th scope=\"col\">{head}</th>")).collect();
     format!(
         "<div class=\"scroll\"><table class=\"selection\">\n<caption>{} · <span class=\"bound\">{}</span></caption>\n\
          <thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n",
@@ -36,19 +27,22 @@ fn table(selection: &Selection) -> String {
     )
 }
 
-fn line(row: &Selected, largest: u64) -> String {
+/// Columns of the grid.
+const GRID: [&str; 5] = ["of the grid's", "gap", "model of the grid", "bytes", "error"];
+
+fn line(row: &Selected, largest: u64, beside: bool) -> String {
     let part = 100.0 * row.bytes as f64 / largest.max(1) as f64;
     let or_none = |text: Option<String>| text.unwrap_or_else(|| NONE.into());
-    let cells = [
-        or_none(row.relight_ms.map(short)),
-        row.encodes.to_string(),
+    let ours = [or_none(row.relight_ms.map(short)), row.encodes.to_string()];
+    let grid = [
+        or_none(row.grid_encodes.and_then(|grid| share(row.encodes, grid))),
+        or_none(row.gap_percent.map(gap)),
         or_none(row.grid_method.as_deref().map(escape)),
         or_none(row.grid_bytes.map(bytes)),
         or_none(row.grid_error.map(short)),
-        or_none(row.gap_percent.map(gap)),
-        or_none(row.grid_encodes.and_then(|grid| share(row.encodes, grid))),
     ];
-    let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
+    let cells = ours.iter().chain(grid.iter().filter(|_| beside));
+    let cells: String = cells.map(|cell| format!("<td>{cell}</td>")).collect();
     let (family, method, size, error) = (escape(&row.family), escape(&row.method), bytes(row.bytes), short(row.error));
     format!(
         "<tr><th scope=\"row\">{family}</th><td>{method}</td><td class=\"bar\" style=\"--part:{part:.1}%\">{size}</td>\
@@ -78,11 +72,15 @@ mod tests {
     }
 
     #[test]
-    fn a_family_without_a_grid_has_no_gap() {
-        let selected = Selected { family: "<cpca>".into(), method: "cpca".into(), bytes: 10, ..Selected::default() };
-        let html =
-            tables(&[Selection { title: "teapot".into(), bound: "error ≤ 1e-3".into(), rows: vec![selected] }]);
-        assert!(html.contains("&lt;cpca&gt;") && html.contains("error ≤ 1e-3"));
-        assert_eq!(html.matches("<td>–</td>").count(), 6, "{html}");
+    fn a_grid_has_its_columns_where_there_is_one() {
+        let one = Selected { family: "<cpca>".into(), method: "cpca".into(), bytes: 10, ..Selected::default() };
+        let other = Selected { grid_encodes: Some(40), gap_percent: Some(-2.0), encodes: 4, ..one.clone() };
+        let page = |rows| tables(&[Selection { title: "teapot".into(), bound: "error ≤ 1e-3".into(), rows }]);
+        let alone = page(vec![one.clone()]);
+        assert!(alone.contains("&lt;cpca&gt;") && alone.contains("error ≤ 1e-3") && !alone.contains("gap"));
+        let both = page(vec![one, other]);
+        assert!(both.contains("<td>10 % of 40</td><td>−2.0 %</td>"), "{both}");
+        // All five of a family without, and three of the other.
+        assert_eq!([&alone, &both].map(|html| html.matches("<td>–</td>").count()), [1, 2 + 5 + 3], "{both}");
     }
 }
