@@ -1,6 +1,7 @@
 //! The one place where the program learns of its methods.
 
 pub mod families;
+mod family;
 
 use prt_bicluster::Bicluster;
 use prt_cpca::{Cpca, Pca, Vq};
