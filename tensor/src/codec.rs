@@ -36,6 +36,16 @@ pub struct Approximation {
     pub square: f64,
     /// ΣT² in the same coordinates.
     pub energy: f64,
+    /// Light bases are so many times orthonormal ones: not 1 where elements are very large or small.
+    pub of_bases: f64,
+}
+
+impl Approximation {
+    /// Of a matrix of zeros.
+    fn empty(shape: Shape) -> Approximation {
+        let model = Model::empty(shape);
+        Approximation { model, history: Vec::new(), converged: true, square: 0.0, energy: 0.0, of_bases: 1.0 }
+    }
 }
 
 impl Configure for Cta {
@@ -75,13 +85,11 @@ impl Cta {
     pub fn approximate(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Approximation> {
         let shape = matrix.shape();
         if shape.rows() * shape.lights == 0 {
-            let model = Model::empty(shape);
-            return Ok(Approximation { model, history: Vec::new(), converged: true, square: 0.0, energy: 0.0 });
+            return Ok(Approximation::empty(shape));
         }
         let samples = Samples::of(matrix, self.0.norm)?;
         if samples.values().iter().all(|v| *v == 0.0) {
-            let model = Model::empty(shape);
-            return Ok(Approximation { model, history: Vec::new(), converged: true, square: 0.0, energy: 0.0 });
+            return Ok(Approximation::empty(shape));
         }
         let tensor = Slabs::lent(samples.values(), [shape.samples, shape.responses, shape.lights]);
         let CtaParams { clusters, view, light, sample, members, sweeps, refine, start, seed, .. } = self.0;
@@ -113,7 +121,7 @@ fn finish(samples: &Samples, shape: Shape, found: Found) -> Approximation {
         weights: weights.into_iter().flatten().map(|w| (f64::from(w) * of_weights) as f32).collect(),
     };
     let scale = (of_weights * of_bases).powi(2);
-    Approximation { model, history, converged, square: square * scale, energy: whole * scale }
+    Approximation { model, history, converged, square: square * scale, energy: whole * scale, of_bases }
 }
 
 /// Rows taken back to the coordinates of the matrix.
@@ -130,7 +138,8 @@ impl Codec for Cta {
     fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<EncodedCta> {
         let found = self.approximate(matrix, progress)?;
         let added = (self.0.noise * found.square).max(LEAST_ADDED * found.energy);
-        Ok(EncodedCta::store(&found.model, self.0.numbers, added).with_note(told(&found)))
+        let encoded = EncodedCta::store_scaled(&found.model, self.0.numbers, added, found.of_bases);
+        Ok(encoded.with_note(told(&found)))
     }
 }
 

@@ -40,11 +40,16 @@ pub struct EncodedCta {
 }
 
 impl EncodedCta {
-    /// Stores a model. `added` is what `Storage::Coded` may add to its squared error.
+    /// Stores a model with orthonormal light bases. `added` is what `Storage::Coded` may add to its squared error.
     ///
     /// # Panics
     /// A model that [`Model::check`] refuses.
     pub fn store(model: &Model, storage: Storage, added: f64) -> EncodedCta {
+        EncodedCta::store_scaled(model, storage, added, 1.0)
+    }
+
+    /// As [`EncodedCta::store`], light bases being `of_bases` times orthonormal ones.
+    pub(crate) fn store_scaled(model: &Model, storage: Storage, added: f64, of_bases: f64) -> EncodedCta {
         if let Err(error) = model.check() {
             panic!("no valid model: {error}");
         }
@@ -62,7 +67,7 @@ impl EncodedCta {
                 Numbers::store(&model.weights, width, layout.end().sample, layout.rows_of_weights(samples, &ids)),
             ],
             None => {
-                let steps = steps::of(model, &layout, &ids, added);
+                let steps = steps::of(model, &layout, &ids, added, of_bases);
                 [
                     Numbers::store_coarse(&light, &steps.light, of_light),
                     Numbers::store_coarse(&dual, &steps.dual, layout.rows_of_duals()),

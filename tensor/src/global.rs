@@ -64,7 +64,8 @@ impl TuckerCodec {
         let scale = (of_weights * of_bases).powi(2);
         let error = tucker.energy() * tucker.relative_error();
         let added = (self.0.noise * error).max(LEAST_ADDED * tucker.energy()) * scale;
-        EncodedCta::store(&model(samples, shape, tucker), self.0.numbers, added).with_note(self.told(tucker))
+        let model = model(samples, shape, tucker);
+        EncodedCta::store_scaled(&model, self.0.numbers, added, of_bases).with_note(self.told(tucker))
     }
 
     fn told(&self, tucker: &Tucker) -> String {

@@ -19,15 +19,19 @@ pub(crate) struct Steps {
 /// A number that is rounded to a step Δ is off by Δ²/12 on average. Off by ε, a weight adds ε² to the squared error of its sample, since
 /// cluster bases are orthonormal; an element of row j of a dual basis adds ε² Σ_x W_xj²; an element of row i of a light basis ε² times
 /// the square of what all samples have along it, Σ_x Σ_v (Vᵀ W_x)_vi². With steps in the inverse proportion of the roots of these factors
-/// every number adds the same, and entropy is least (reverse water-filling at high rate).
-pub(crate) fn of(model: &Model, layout: &Layout, ids: &Ids, added: f64) -> Steps {
+/// every number adds the same, and entropy is least (reverse water-filling at high rate). Light bases that are `of_bases` times orthonormal
+/// ones multiply by that what weights and dual bases are off.
+pub(crate) fn of(model: &Model, layout: &Layout, ids: &Ids, added: f64, of_bases: f64) -> Steps {
     let of_weights = squares_of_weights(model, layout, ids);
     let lights = squares_of_lights(model, layout, &of_weights);
     let numbers = model.weights.len() + layout.end().dual + layout.end().light * model.shape.lights;
     let step = (12.0 * added / numbers.max(1) as f64).sqrt();
-    let steps = |squares: Vec<f64>| squares.into_iter().map(|s| if s > 0.0 { step / s.sqrt() } else { 0.0 }).collect();
-    let weights = vec![step; of_weights.len()];
-    Steps { light: steps(lights), dual: steps(of_weights), weights }
+    let before_bases = step / of_bases;
+    let weights = vec![before_bases; of_weights.len()];
+    let steps = |step: f64, squares: Vec<f64>| {
+        squares.into_iter().map(|s| if s > 0.0 { step / s.sqrt() } else { 0.0 }).collect()
+    };
+    Steps { light: steps(step, lights), dual: steps(before_bases, of_weights), weights }
 }
 
 /// Σ_x W_xj² for each row j of the dual bases.
