@@ -42,24 +42,37 @@ pub(super) fn labels(
     frame: Box2,
     obstacles: &[Box2],
 ) -> Vec<(f64, f64)> {
-    let mut taken: Vec<Box2> = points.iter().map(|&(x, y)| Box2::around(x, y, 6.0, 6.0)).collect();
-    taken.extend(obstacles);
-    let mut placed = Vec::new();
-    for (&(x, y), text) in points.iter().zip(texts) {
-        let (half_width, half_height) = (width(text, size) / 2.0, size / 2.0);
-        // Right, left, above, below, then the corners, then the same further away: the first is the best of equals.
-        let candidates = [1.0, 2.2].into_iter().flat_map(|far| {
-            let (dx, dy) = (half_width + 9.0 * far, half_height + 8.0 * far);
-            [(dx, 0.0), (-dx, 0.0), (0.0, -dy), (0.0, dy), (dx, -dy), (-dx, -dy), (dx, dy), (-dx, dy)]
-        });
-        let boxes = candidates.map(|(dx, dy)| Box2::around(x + dx, y + dy, half_width, half_height));
-        let cost = |b: &Box2| taken.iter().map(|t| t.overlap(b)).sum::<f64>() + 10.0 * b.outside(&frame);
-        let best = boxes.min_by(|a, b| cost(a).total_cmp(&cost(b)));
-        let best = best.unwrap_or(Box2::around(x, y, half_width, half_height));
-        taken.push(best);
-        placed.push((best.left, best.bottom - 0.15 * size));
+    let markers: Vec<Box2> =
+        points.iter().map(|&(x, y)| Box2::around(x, y, 6.0, 6.0)).chain(obstacles.to_vec()).collect();
+    let mut placed: Vec<Box2> = Vec::new();
+    // At first each beside those before it; then each once more beside all others, as long as that may help.
+    for sweep in 0..SWEEPS {
+        for (i, (&(x, y), text)) in points.iter().zip(texts).enumerate() {
+            let others = placed.iter().enumerate().filter(|(other, _)| *other != i).map(|(_, b)| b);
+            let taken: Vec<&Box2> = markers.iter().chain(others).collect();
+            let cost = |b: &Box2| taken.iter().map(|t| t.overlap(b)).sum::<f64>() + 10.0 * b.outside(&frame);
+            let best = candidates(x, y, width(text, size) / 2.0, size / 2.0).min_by(|a, b| cost(a).total_cmp(&cost(b)));
+            let best = best.unwrap_or(Box2::around(x, y, width(text, size) / 2.0, size / 2.0));
+            if sweep == 0 {
+                placed.push(best);
+            } else if cost(&best) < cost(&placed[i]) {
+                placed[i] = best;
+            }
+        }
     }
-    placed
+    placed.iter().map(|b| (b.left, b.bottom - 0.15 * size)).collect()
+}
+
+/// How often every label is placed.
+const SWEEPS: usize = 4;
+
+/// Right, left, above, below, then the corners, then the same further away: the first is the best of equals.
+fn candidates(x: f64, y: f64, half_width: f64, half_height: f64) -> impl Iterator<Item = Box2> {
+    [1.0, 1.6, 2.2, 3.0].into_iter().flat_map(move |far| {
+        let (dx, dy) = (half_width + 9.0 * far, half_height + 8.0 * far);
+        let offsets = [(dx, 0.0), (-dx, 0.0), (0.0, -dy), (0.0, dy), (dx, -dy), (-dx, -dy), (dx, dy), (-dx, dy)];
+        offsets.map(|(dx, dy)| Box2::around(x + dx, y + dy, half_width, half_height))
+    })
 }
 
 #[cfg(test)]
