@@ -1,8 +1,8 @@
 //! trials.csv: every model that was tried, so that a search that was stopped goes on where it was, and one for another bound begins with what is known.
 
 use super::trial::{Attempt, Trial};
-use crate::fingerprint;
-use anyhow::{Context, Result};
+use crate::{files, fingerprint};
+use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::path::Path;
@@ -29,20 +29,23 @@ struct Line {
 }
 
 impl Ledger {
-    /// Opens the file, and says what it knows of the matrix with this fingerprint from the same program. A line that was cut off counts for nothing.
+    /// Opens the file, and says what it knows of the matrix with this fingerprint. Lines of other programs go, and so does one that was cut off.
+    ///
+    /// # Errors
+    /// A file of something else; one that cannot be written.
     pub(super) fn open(path: &Path, fingerprint: String) -> Result<(Ledger, Vec<(String, Attempt)>)> {
         let place = || format!("cannot use {}", path.display());
-        let lines: Vec<Line> = match path.exists() {
-            true => csv::Reader::from_path(path).with_context(place)?.deserialize().filter_map(|l| l.ok()).collect(),
-            false => Vec::new(),
-        };
-        let ours = |line: &&Line| line.program == fingerprint::program() && line.fingerprint == fingerprint;
-        let known = lines.iter().filter(ours).map(|line| (line.method.clone(), line.attempt())).collect();
+        let mut lines = if path.exists() { read(path).with_context(place)? } else { Vec::new() };
+        lines.retain(|line| line.program == fingerprint::program());
+        let ours = lines.iter().filter(|line| line.fingerprint == fingerprint);
+        let known = ours.map(|line| (line.method.clone(), line.attempt())).collect();
         // Written anew: what a crash left at the end would swallow the next line.
-        let file = OpenOptions::new().create(true).write(true).truncate(true).open(path).with_context(place)?;
-        let mut ledger = Ledger { writer: csv::Writer::from_writer(file), fingerprint };
-        lines.iter().try_for_each(|line| ledger.put(line)).with_context(place)?;
-        Ok((ledger, known))
+        let mut whole = csv::Writer::from_writer(Vec::new());
+        lines.iter().try_for_each(|line| whole.serialize(line))?;
+        files::write_beside(path, &whole.into_inner()?)?;
+        let file = OpenOptions::new().append(true).open(path).with_context(place)?;
+        let writer = csv::WriterBuilder::new().has_headers(lines.is_empty()).from_writer(file);
+        Ok((Ledger { writer, fingerprint }, known))
     }
 
     /// Adds what came of a label.
@@ -53,13 +56,23 @@ impl Ledger {
             method: method.into(),
             ..Line::of(attempt)
         };
-        self.put(&line).context("cannot write trials.csv")
+        self.writer.serialize(line).and_then(|()| Ok(self.writer.flush()?)).context("cannot write trials.csv")
     }
+}
 
-    fn put(&mut self, line: &Line) -> Result<()> {
-        self.writer.serialize(line)?;
-        Ok(self.writer.flush()?)
-    }
+/// Every line that is whole.
+fn read(path: &Path) -> Result<Vec<Line>> {
+    let mut reader = csv::Reader::from_path(path)?;
+    let mut own = csv::Writer::from_writer(Vec::new());
+    own.serialize(Line::default())?;
+    let own = own.into_inner()?;
+    let found = reader.headers()?;
+    // Of a file that was torn in its first line nothing is lost; anything else is not ours to write over.
+    ensure!(
+        found.is_empty() || csv::Reader::from_reader(&own[..]).headers()? == found,
+        "it is not what prt select writes"
+    );
+    Ok(reader.deserialize().filter_map(|line| line.ok()).collect())
 }
 
 impl Line {
@@ -118,8 +131,13 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, format!("{text}0.1.0,a,vq,0.2")).unwrap();
         assert!(Ledger::open(&path, "b".into()).unwrap().1.is_empty());
+        let (mut ledger, _) = Ledger::open(&path, "b".into()).unwrap();
+        ledger.add("vq", &Attempt::Failed("too few".into())).unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap().lines().count(), 4, "a header and three lines");
         let (_, known) = Ledger::open(&path, "a".into()).unwrap();
         let [(pca, Attempt::Tried(found)), (cta, Attempt::Failed(why))] = &known[..] else { panic!("{known:?}") };
+        std::fs::write(folder.path().join("other.csv"), "a,b\n1,2\n").unwrap();
+        assert!(Ledger::open(&folder.path().join("other.csv"), "a".into()).is_err());
         assert_eq!((pca.as_str(), found, cta.as_str(), why.as_str()), ("pca", &trial, "cta", "no, \"not\" here"));
     }
 }
