@@ -128,6 +128,7 @@ class Matrices:
             return ((u * 0.8 ** np.arange(len(s))) @ v).astype(np.float32)
 
         self.npy("smooth", smooth(200, 60))
+        self.npy("whole-blocks", smooth(128, 60))
         self.npy("samples", smooth(100, 180).reshape(100, 3, 60))
         self.npy("lobes", smooth(40, 42), "--basis", "lobes:42")
         self.npy("cubemap", smooth(150, 96 * 4).reshape(150, 4, 96), "--basis", "cubemap:4")
