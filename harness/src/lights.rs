@@ -162,19 +162,23 @@ pub type Backdrop = Box<dyn Fn(Direction) -> [f32; 3] + Send + Sync>;
 
 /// A light as the eye sees it: what is built in at its true sharpness, an image file between the centres of its pixels.
 pub fn backdrop(name: &str) -> Result<Backdrop> {
-    let Light { source, .. } = Light::named(name)?;
-    if let Source::BuiltIn(light) = &*source {
-        let environment = light.environment();
-        return Ok(Box::new(move |direction| environment.radiance(direction)));
-    }
-    Ok(Box::new(move |direction| match &*source {
-        Source::BuiltIn(light) => light.environment().radiance(direction),
-        Source::Image(image) => lookup(image, direction),
-        Source::Lobes(light) => {
-            let radiance = light.radiance(direction);
-            [0, 1, 2].map(|channel| radiance[channel] as f32)
+    Ok(match &*Light::named(name)?.source {
+        Source::BuiltIn(light) => {
+            let environment = light.environment();
+            Box::new(move |direction| environment.radiance(direction))
         }
-    }))
+        Source::Image(image) => {
+            let image = image.clone();
+            Box::new(move |direction| lookup(&image, direction))
+        }
+        Source::Lobes(light) => {
+            let light = light.clone();
+            Box::new(move |direction| {
+                let radiance = light.radiance(direction);
+                [0, 1, 2].map(|channel| radiance[channel] as f32)
+            })
+        }
+    })
 }
 
 /// Whether a light is a file of lobes.

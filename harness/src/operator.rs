@@ -13,8 +13,8 @@ pub trait Operator: Sync {
     fn responses(&self) -> &ResponseBasis;
     /// `out` (rows x channels) = T · `lights` (lights x channels).
     fn apply_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()>;
-    /// A row of T; `out.len()` = lights.
-    fn row_into(&self, row: usize, out: &mut [f32]);
+    /// Rows of T from `first` on, one a row of `out` (rows x lights).
+    fn rows_into(&self, first: usize, out: ArrayViewMut2<f32>);
 
     /// T · `lights`, rows x channels.
     fn relit(&self, lights: ArrayView2<f32>) -> Result<Array2<f32>> {
@@ -37,8 +37,10 @@ impl Operator for TransferMatrix {
     fn apply_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {
         self.apply_into(lights, out)
     }
-    fn row_into(&self, row: usize, out: &mut [f32]) {
-        self.gather(row, out);
+    fn rows_into(&self, first: usize, mut out: ArrayViewMut2<f32>) {
+        for (row, mut out) in (first..).zip(out.outer_iter_mut()) {
+            self.gather(row, out.as_slice_mut().expect("rows that are gathered are contiguous"));
+        }
     }
 }
 
@@ -55,7 +57,7 @@ impl Operator for Compressed {
     fn apply_into(&self, lights: ArrayView2<f32>, out: ArrayViewMut2<f32>) -> Result<()> {
         self.apply_into(lights, out)
     }
-    fn row_into(&self, row: usize, out: &mut [f32]) {
-        self.row_into(row, out);
+    fn rows_into(&self, first: usize, out: ArrayViewMut2<f32>) {
+        self.rows_into(first, out);
     }
 }

@@ -6,6 +6,7 @@ use crate::operator::Operator;
 use crate::registry::registry;
 use anyhow::{Context, bail, ensure};
 use glam::Vec3;
+use ndarray::{Array2, Axis};
 use prt_slf::{EncodedSlf, Interpolation, Rows, Sphere, SurfaceLightField};
 use prt_transfer::image::Image;
 use prt_transfer::responses::Directions;
@@ -17,6 +18,9 @@ use prt_transfer::texels::Texels;
 use prt_transfer::{LightBasis, Progress, ResponseBasis, Result};
 use rayon::prelude::*;
 use std::path::Path;
+
+/// Rows that one task decodes at once.
+const AT_ONCE: usize = 32;
 
 /// The fields of a world's shapes.
 pub struct Fields {
@@ -55,9 +59,10 @@ impl Field {
     pub fn decoded(matrix: &dyn Operator, interpolation: Interpolation) -> anyhow::Result<Field> {
         let (texels, sphere, directions) = parts(matrix)?;
         let shape = matrix.shape();
-        let mut values = vec![0f32; shape.rows() * shape.lights];
-        values.par_chunks_mut(shape.lights.max(1)).enumerate().for_each(|(row, out)| matrix.row_into(row, out));
-        let rows = Rows::new(values, shape)?;
+        let mut values = Array2::zeros((shape.rows(), shape.lights));
+        let blocks = values.axis_chunks_iter_mut(Axis(0), AT_ONCE).into_par_iter().enumerate();
+        blocks.for_each(|(block, out)| matrix.rows_into(block * AT_ONCE, out));
+        let rows = Rows::new(values.into_raw_vec_and_offset().0, shape)?;
         Ok(Field { of: Lookup::Rows(SurfaceLightField::new(texels, sphere, rows, interpolation)?), directions })
     }
 
