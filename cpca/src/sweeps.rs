@@ -45,10 +45,11 @@ impl Search<'_> {
         Ok(State { subspaces, assignment, drifts, changed })
     }
 
-    /// Up to so many sweeps with `components` in each cluster; ends early where no sample moves.
+    /// Up to so many sweeps with `components` in each cluster; ends early where no sample moves, and no subspace that would.
     pub(crate) fn sweeps(&self, state: &mut State, components: &[usize], sweeps: usize) -> Result<()> {
         for _ in 0..sweeps {
-            if self.sweep(state, components)? == 0 {
+            // A minimum of all samples alone need not be one of two clusters in one place and none in another.
+            if self.sweep(state, components)? == 0 && self.shift_and_assign(state, components)? == 0 {
                 break;
             }
         }
@@ -59,11 +60,16 @@ impl Search<'_> {
     pub(crate) fn sweep(&self, state: &mut State, components: &[usize]) -> Result<usize> {
         self.fit(state, components)?;
         let mut moved = self.assign(state)?;
-        if self.anyone_empty(state) && self.shift(state, components)? > 0 {
-            moved += self.assign(state)?;
+        if self.anyone_empty(state) {
+            moved += self.shift_and_assign(state, components)?;
         }
         self.progress.advance(1)?;
         Ok(moved)
+    }
+
+    /// How many samples have moved since subspaces did.
+    fn shift_and_assign(&self, state: &mut State, components: &[usize]) -> Result<usize> {
+        if self.shift(state, components)? == 0 { Ok(0) } else { self.assign(state) }
     }
 
     fn fit(&self, state: &mut State, components: &[usize]) -> Result<()> {

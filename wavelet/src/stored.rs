@@ -56,7 +56,7 @@ macro_rules! multiples {
             const LARGEST: Option<f32> = Some(<$type>::MAX as f32);
             const CHUNK: usize = 64;
             fn store(value: f32, step: f32) -> $type {
-                // Saturates; a step of 0 belongs to a row that is too small for f32 and decodes to 0.
+                // Saturates; a step of 0 belongs to a row of zeros.
                 (value / step).round() as $type
             }
             #[inline(always)]
@@ -103,9 +103,13 @@ impl Rounding {
     pub(crate) fn is_exact(self) -> bool {
         self.largest.is_none()
     }
-    /// The step of a row of these values: their largest magnitude is the largest multiple.
+    /// The step of a row of these values: their largest magnitude is the largest multiple. 0 where all of them are.
     pub(crate) fn step(self, values: impl Iterator<Item = f32>) -> f32 {
-        self.largest.map_or(1.0, |largest| values.fold(0f32, |m, v| m.max(v.abs())) / largest)
+        let Some(largest) = self.largest else { return 1.0 };
+        let most = values.fold(0f32, |m, v| m.max(v.abs()));
+        let step = most / largest;
+        // Below 2^-126 steps are as coarse as they are small: rounded down, the largest magnitude would be more of them than there are.
+        if most / step > largest + 0.5 { step.next_up() } else { step }
     }
     /// A value after storing and decoding.
     pub(crate) fn decoded(self, value: f32, step: f32) -> f32 {

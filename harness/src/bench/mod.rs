@@ -18,6 +18,7 @@ use crate::results::Results;
 use crate::row::Row;
 use crate::scenes::Up;
 use crate::signal::Signal;
+use crate::stability::{self, atlas::Atlas};
 use crate::suite::{Size, Subject, Suite, Wishes};
 use crate::timing::Budget;
 use crate::verify::Verify;
@@ -120,9 +121,11 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
         groups.push(group);
         selections.extend(selection);
     }
+    let failures = atlas(arguments, &out.join("stability"), &machine, &run)?;
     run.steps.finish();
     pictures::write_csv(&groups, &out, &machine)?;
-    let page = report::page(&report::Data { machine: machine.clone(), groups: groups.clone(), selections });
+    let data = report::Data { machine: machine.clone(), groups: groups.clone(), selections };
+    let page = report::page(&data, failures.as_ref());
     files::write_beside(&out.join("report.html"), page.as_bytes())?;
     let rows: Vec<&Row> = groups.iter().flat_map(|g| &g.rows).collect();
     if arguments.json {
@@ -141,6 +144,16 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
         true => arguments.verify.run(&out, &groups, run.results.rows(), threads, arguments.json),
         false => Ok(()),
     }
+}
+
+/// Where methods fail, beside the usual suite: whoever asks for a scene or a method of his own asks for nothing else.
+fn atlas(arguments: &Bench, out: &Path, machine: &Machine, run: &Run) -> anyhow::Result<Option<Atlas>> {
+    let Bench { scenes, signals, assets, methods, quick, .. } = arguments;
+    if *quick || assets.is_some() || ![scenes.len(), signals.len(), methods.len()].iter().all(|&given| given == 0) {
+        return Ok(None);
+    }
+    run.steps.show("where methods fail");
+    stability::atlas::run::whole(out, machine, run.measure.pools, &run.steps).map(Some)
 }
 
 /// The lights of the pictures, read before anything is measured.

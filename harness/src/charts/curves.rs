@@ -9,8 +9,8 @@ use crate::machine::Machine;
 use kuva::render::render::{Scene, TextAnchor};
 
 /// A few panels can be high.
-const HIGH: Grid = Grid { height: 320.0 };
-const LOW: Grid = Grid { height: 210.0 };
+const HIGH: Grid = Grid { height: 320.0, lines: 1 };
+const LOW: Grid = Grid { height: 210.0, lines: 1 };
 const LINE: f64 = 1.8;
 /// Curves have many points.
 const MARKER: f64 = 3.6;
@@ -92,7 +92,7 @@ impl Curves {
             let shown = if self.apart { std::slice::from_ref(plane) } else { &self.planes[..] };
             let dots = shown.iter().flat_map(|plane| &plane.curves).flatten().filter(|dot| dot.is_drawable());
             let upwards = LogAxis::new(dots.map(|dot| dot.y), frame.bottom, frame.top);
-            grid::heading(&mut scene, &frame, &plane.upwards);
+            grid::heading(&mut scene, &frame, &[&plane.upwards]);
             plane.draw(&mut scene, &upwards, frame);
         }
         pen::machine_line(&mut scene, grid::LEFT, machine);

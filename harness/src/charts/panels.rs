@@ -10,7 +10,8 @@ use kuva::render::render::{Scene, TextAnchor};
 
 /// Between the first and the last mark and the ends of the frame.
 const AIR: f64 = 16.0;
-const LAYOUT: Grid = Grid { height: 210.0 };
+/// Of frames.
+const HEIGHT: f64 = 210.0;
 /// Where a method failed.
 const CROSS: &str = "×";
 /// Between the labels of two marks.
@@ -23,10 +24,6 @@ pub struct Panels {
     pub title: String,
     /// To what.
     pub subject: String,
-    /// Name of the parameter.
-    pub parameter: String,
-    /// Its values in order, at equal distances.
-    pub marks: Vec<String>,
     /// One line each.
     pub methods: Vec<String>,
     /// One panel each.
@@ -36,8 +33,12 @@ pub struct Panels {
 /// A figure of every method at every mark.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// Quantity and unit.
-    pub title: String,
+    /// Over it: quantity and unit, or a title and more below it.
+    pub heading: Vec<String>,
+    /// Name of the parameter.
+    pub parameter: String,
+    /// Its values in order, at equal distances.
+    pub marks: Vec<String>,
     /// By method, then by mark. What failed is `None` and is drawn as a cross; what is no positive number has no place on a
     /// logarithmic axis and leaves a gap.
     pub values: Vec<Vec<Option<f64>>>,
@@ -55,12 +56,16 @@ impl Panels {
     }
 
     fn scene(&self, machine: Option<&Machine>) -> Scene {
-        let mut scene = LAYOUT.page(&self.title, &self.subject, self.panels.len());
+        let headings: Vec<Vec<String>> = self.panels.iter().map(|panel| grid::lines(&panel.heading)).collect();
+        let lines = headings.iter().map(Vec::len).max().unwrap_or(1);
+        let layout = Grid { height: HEIGHT, lines };
+        let mut scene = layout.page(&self.title, &self.subject, self.panels.len());
         let failed = self.panels.iter().flat_map(|panel| &panel.values).any(|values| values.contains(&None));
         let remark = failed.then(|| format!("{CROSS} failed"));
         grid::legend(&mut scene, &self.methods, |method| self.width(method), remark.as_deref());
         for (i, panel) in self.panels.iter().enumerate() {
-            self.panel(&mut scene, panel, LAYOUT.frame(i));
+            grid::heading(&mut scene, &layout.frame(i), &headings[i].iter().map(String::as_str).collect::<Vec<_>>());
+            self.panel(&mut scene, panel, layout.frame(i));
         }
         pen::machine_line(&mut scene, grid::LEFT, machine);
         scene
@@ -74,14 +79,13 @@ impl Panels {
     fn panel(&self, scene: &mut Scene, panel: &Panel, frame: Box2) {
         let values = || panel.values.iter().flatten().flatten().copied().filter(|v| drawable(*v));
         let axis = LogAxis::new(values(), frame.bottom, frame.top);
-        grid::heading(scene, &frame, &panel.title);
-        self.ground(scene, &frame);
+        panel.ground(scene, &frame);
         pen::upright(scene, &axis, &frame);
         for (method, values) in panel.values.iter().enumerate() {
             let style = Style::of(method);
             let places = values.iter().enumerate().map(|(mark, value)| {
                 let drawn = value.filter(|v| drawable(*v));
-                drawn.map(|value| (self.place(mark, &frame), axis.pixel(value)))
+                drawn.map(|value| (panel.place(mark, &frame), axis.pixel(value)))
             });
             let places: Vec<Option<(f64, f64)>> = places.collect();
             // A line for every stretch without a gap.
@@ -93,17 +97,19 @@ impl Panels {
         self.failures(scene, panel, &frame);
     }
 
-    /// A row of crosses on the bottom for each method that failed anywhere.
+    /// A row of crosses at the top, less being better, for each method that failed anywhere.
     fn failures(&self, scene: &mut Scene, panel: &Panel, frame: &Box2) {
         let failed = panel.values.iter().enumerate().filter(|(_, values)| values.contains(&None));
         for (row, (method, values)) in failed.enumerate() {
             for mark in (0..values.len()).filter(|&mark| values[mark].is_none()) {
-                let at = (self.place(mark, frame), frame.bottom - 4.0 - 10.0 * row as f64);
+                let at = (panel.place(mark, frame), frame.top + 12.0 + 10.0 * row as f64);
                 text(scene, at, 14, Style::of(method).colour, TextAnchor::Middle, CROSS);
             }
         }
     }
+}
 
+impl Panel {
     /// The marks of the parameter, labels where there is room: at both ends, where a method fails, first.
     fn ground(&self, scene: &mut Scene, frame: &Box2) {
         line(scene, (frame.left, frame.bottom), (frame.right, frame.bottom), INK, 1.0, None);
@@ -142,10 +148,16 @@ mod tests {
     use super::*;
 
     fn panels(values: Vec<Vec<Option<f64>>>) -> Panels {
-        let marks = (0..values.first().map_or(0, Vec::len)).map(|i| (1 << i).to_string()).collect();
+        let marks: Vec<String> = (0..values.first().map_or(0, Vec::len)).map(|i| (1 << i).to_string()).collect();
         let methods = (0..values.len()).map(|i| format!("method{i}")).collect();
-        let panels = ["one, s", "two, B"].map(|title| Panel { title: title.into(), values: values.clone() }).into();
-        Panels { title: "t".into(), subject: "s".into(), parameter: "levels".into(), marks, methods, panels }
+        let panel = |title: &str| Panel {
+            heading: vec![title.into()],
+            parameter: "levels".into(),
+            marks: Vec::clone(&marks),
+            values: values.clone(),
+        };
+        let panels = ["one, s", "two, B"].map(panel).into();
+        Panels { title: "t".into(), subject: "s".into(), methods, panels }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 //! The tables are written here and are there without any script. What was measured lies in the page as JSON, of which a
 //! few scripts (one noun each) draw the charts, filter and sort.
 
+mod atlas;
 mod data;
 mod html;
 mod quantity;
@@ -13,12 +14,14 @@ pub(crate) use data::labelled;
 pub use data::{Data, Selected, Selection};
 
 use crate::charts::Marker;
+use crate::stability::atlas::Atlas;
 use html::{escape, fill, script};
 use quantity::{Fields, Quantity, measured};
 use serde::Serialize;
 
 const PAGE: &str = include_str!("page.html");
 const PICTURES: &str = include_str!("pictures.html");
+const ATLAS: &str = include_str!("atlas.html");
 const SELECTIONS: &str = include_str!("selections.html");
 const STYLE: &str = include_str!("style.css");
 const SCRIPTS: [&str; 20] = [
@@ -62,8 +65,8 @@ struct Family {
     marker: Marker,
 }
 
-/// The page.
-pub fn page(data: &Data) -> String {
+/// The page; with an atlas of failure where one was made.
+pub fn page(data: &Data, failures: Option<&Atlas>) -> String {
     let names = data.families();
     let tables: String = data.groups.iter().enumerate().map(|(i, m)| table::table(i, m, &names)).collect();
     let families = names.into_iter().enumerate().map(|(i, name)| Family { name, marker: Marker::of(i) }).collect();
@@ -83,6 +86,7 @@ pub fn page(data: &Data) -> String {
         ("tables", &tables),
         ("pictures", pictures),
         ("selections", &selections),
+        ("atlas", &failures.map_or(String::new(), |atlas| fill(ATLAS, &[("parts", &atlas::parts(atlas))]))),
         ("place", &place(data)),
         ("meanings", &meanings(&quantities)),
         ("data", &script(&json)),

@@ -31,7 +31,7 @@ fn names_of_files_cannot_become_markup() {
         data.machine.cpu = name.into();
         data.groups[0].pictures = vec![pictures.clone()];
         data.selections = vec![Selection { title: name.into(), bound: name.into(), rows: vec![selected.clone()] }];
-        page(&data)
+        page(&data, None)
     };
     let (page, harmless) = (of(hostile, "a & \"b\""), of("teapot", "c"));
     for tag in ["<script", "</script", "<!--", "<b>", "<i>", "<u>", "<img"] {
@@ -57,7 +57,7 @@ fn every_row_is_there_twice_as_a_line_of_its_table_and_with_every_column_of_resu
     };
     let failed = Row { method: "dense".into(), family: "dense".into(), ..Row::default() }.failed("would need 9 GB");
     let rows = vec![ok("csr", 0.0), ok("haar+truncate:terms=64", 0.0312), failed];
-    let page = page(&data(rows.clone(), "teapot"));
+    let page = page(&data(rows.clone(), "teapot"), None);
     let embedded = embedded(&page);
     for (row, read) in rows.iter().zip(embedded["groups"][0]["rows"].as_array().unwrap()) {
         let Value::Object(columns) = serde_json::to_value(row).unwrap() else { panic!("a row is an object") };
@@ -75,12 +75,12 @@ fn every_row_is_there_twice_as_a_line_of_its_table_and_with_every_column_of_resu
 #[test]
 fn sections_without_data_are_absent_and_pictures_are_in_the_page() {
     let mut data = data(Vec::new(), "teapot");
-    let bare = page(&data);
+    let bare = page(&data, None);
     assert!(!bare.contains("id=\"pictures\"") && !bare.contains("id=\"selections\""));
     let shown = Shown { picture: Png(b"foo".into()), strip: Some(Png(b"f".into())), ..Shown::default() };
     data.groups[0].pictures = vec![Pictures { shown: vec![shown], ..Pictures::default() }];
     data.selections = vec![Selection::default()];
-    let page = page(&data);
+    let page = page(&data, None);
     assert!(page.contains("id=\"pictures\"") && page.contains("id=\"selections\""));
     let shown = &embedded(&page)["groups"][0]["pictures"][0]["shown"][0];
     assert_eq!(shown["picture"], "data:image/png;base64,Zm9v");
@@ -89,7 +89,7 @@ fn sections_without_data_are_absent_and_pictures_are_in_the_page() {
 
 #[test]
 fn the_page_asks_nothing_of_anybody() {
-    let page = page(&data(Vec::new(), "teapot"));
+    let page = page(&data(Vec::new(), "teapot"), None);
     for word in ["src=\"", "href=\"http", "@import", "url(", "fetch(", "XMLHttpRequest", "innerHTML"] {
         assert!(!page.contains(word), "{word}");
     }

@@ -3,6 +3,7 @@
 //! A sweep is one file ([`study::Sweep`]) and one word in a study; a study is one file and one line in [`STUDIES`]. [`eigensolvers`]
 //! are no methods but what methods are made of: a study of their own.
 
+pub mod atlas;
 mod biclustering;
 pub mod columns;
 pub mod eigensolvers;
@@ -43,17 +44,17 @@ const VERTICES: u32 = 300;
 /// Arguments of `prt stability`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Examples:\n  prt stability biclustering\n  prt stability biclustering --sweep values --method csr --method compact\n  prt stability eigensolvers --method krylov --sweep zero-tail"
+    after_help = "Without a study: the atlas of failure, every known way in which a method fails, by the paper's form and by ours, with the bounds that ours keep.\n\nExamples:\n  prt stability\n  prt stability --sweep lobes --sweep start\n  prt stability biclustering\n  prt stability biclustering --sweep values --method csr --method compact\n  prt stability eigensolvers --method krylov --sweep zero-tail"
 )]
 pub struct Stability {
-    /// Which methods' weaknesses
+    /// Which methods' weaknesses in depth; none = the atlas of all
     #[arg(value_name = "STUDY", value_parser = PossibleValuesParser::new(STUDIES.iter().map(|s| s.name).chain([eigensolvers::NAME])))]
-    pub study: String,
+    pub study: Option<String>,
     /// A method (of eigensolvers: a solver), instead of the usual ones; may be repeated. `compact` is always measured: other
     /// methods are compared with it
     #[arg(long = "method", value_name = "LABEL")]
     pub methods: Vec<String>,
-    /// Only this sweep (of eigensolvers: this spectrum); may be repeated
+    /// Only this sweep (of eigensolvers: this spectrum; of the atlas: this part or case); may be repeated
     #[arg(long = "sweep", value_name = "SWEEP")]
     pub sweeps: Vec<String>,
     /// Vertices of the scene that every sweep starts from, about [default: 300]
@@ -66,11 +67,18 @@ pub struct Stability {
 
 /// Runs the command.
 pub fn run(arguments: &Stability, threads: usize) -> anyhow::Result<()> {
-    if arguments.study == eigensolvers::NAME {
-        return eigensolvers::run(arguments, threads);
-    }
+    let study = match arguments.study.as_deref() {
+        None => {
+            ensure!(
+                arguments.methods.is_empty() && arguments.vertices.is_none(),
+                "--method, --vertices: of a study; the atlas has cases of its own"
+            );
+            return atlas::run::run(&arguments.sweeps, &arguments.out, threads);
+        }
+        Some(eigensolvers::NAME) => return eigensolvers::run(arguments, threads),
+        Some(study) => find(study)?,
+    };
     let registry = registry::registry();
-    let study = find(&arguments.study)?;
     let sweeps = chosen(study, &arguments.sweeps)?;
     let methods = labels::with_baseline(&registry, &arguments.methods, study.methods, BASELINE)?;
     let out = cache::make(arguments.out.clone())?;

@@ -97,16 +97,16 @@ pub fn panels(sweep: &Sweep, subject: &str, outcomes: &[Outcome], methods: &[Str
     let by = |method: &String| outcomes.iter().filter(|o| o.row.method == *method).collect::<Vec<_>>();
     // A failure is none; what is measured and has no such figure is drawn as a gap, not as a failure.
     let value = |figure: &Figure, o: &Outcome| o.row.is_ok().then(|| (figure.of)(o).unwrap_or(f64::NAN));
+    let marks: Vec<String> = methods.first().map_or(Vec::new(), by).into_iter().map(|o| o.value.to_string()).collect();
     let panel = |figure: &Figure| Panel {
-        title: figure.title.into(),
+        heading: vec![figure.title.into()],
+        parameter: sweep.parameter.into(),
+        marks: marks.clone(),
         values: methods.iter().map(|m| by(m).into_iter().map(|o| value(figure, o)).collect()).collect(),
     };
-    let marks = methods.first().map_or(Vec::new(), by).into_iter().map(|o| o.value.to_string());
     Panels {
         title: sweep.title.into(),
         subject: subject.into(),
-        parameter: sweep.parameter.into(),
-        marks: marks.collect(),
         methods: methods.to_vec(),
         panels: DRAWN.iter().map(panel).collect(),
     }

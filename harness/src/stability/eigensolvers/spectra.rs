@@ -56,13 +56,7 @@ pub struct Known {
 impl Spectrum {
     /// A matrix of this spectrum; the same for the same size and seed.
     pub fn matrix(&self, rows: usize, columns: usize, seed: u64) -> Known {
-        let (rank, mut rng) = (rows.min(columns), Pcg64Mcg::seed_from_u64(seed));
-        let singular: Vec<f64> = (0..rank).map(|i| (self.value)(i, rank)).collect();
-        let (left, right) = (orthonormal(rank, rows, &mut rng), orthonormal(rank, columns, &mut rng));
-        let scaled = &right * &Array1::from(singular.clone()).insert_axis(Axis(1));
-        // As it lies in memory, which a transposed product does not promise.
-        let matrix = left.t().dot(&scaled).as_standard_layout().into_owned();
-        Known { matrix, singular, right }
+        Known::new(rows, columns, seed, |i| (self.value)(i, rows.min(columns)))
     }
 
     /// Where a search for `components` starts: orthonormal, and orthogonal to the leading ones; none where solvers choose.
@@ -74,6 +68,17 @@ impl Spectrum {
 }
 
 impl Known {
+    /// A matrix whose i-th singular value, from 0, is `value`; they must descend. The same for the same size and seed.
+    pub fn new(rows: usize, columns: usize, seed: u64, value: impl Fn(usize) -> f64) -> Known {
+        let (rank, mut rng) = (rows.min(columns), Pcg64Mcg::seed_from_u64(seed));
+        let singular: Vec<f64> = (0..rank).map(value).collect();
+        let (left, right) = (orthonormal(rank, rows, &mut rng), orthonormal(rank, columns, &mut rng));
+        let scaled = &right * &Array1::from(singular.clone()).insert_axis(Axis(1));
+        // As it lies in memory, which a transposed product does not promise.
+        let matrix = left.t().dot(&scaled).as_standard_layout().into_owned();
+        Known { matrix, singular, right }
+    }
+
     /// ‖F - F VᵀV‖² / ‖F‖² for the rows of V: what is lost.
     pub fn lost(&self, vectors: &Array2<f64>) -> f64 {
         let residual = &self.matrix - &self.matrix.dot(&vectors.t()).dot(vectors);
@@ -111,8 +116,8 @@ fn norm(vector: ArrayView1<f64>) -> f64 {
     vector.dot(&vector).sqrt()
 }
 
-/// About normal: no direction is preferred enough to matter once it is orthogonalised.
-fn normal(rng: &mut Pcg64Mcg) -> f64 {
+/// About normal, of variance 1: no direction is preferred enough to matter once it is orthogonalised.
+pub(in crate::stability) fn normal(rng: &mut Pcg64Mcg) -> f64 {
     (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0
 }
 
