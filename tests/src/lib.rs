@@ -6,6 +6,10 @@ use prt_transfer::{Compressed, Label, LightBasis, Method, Quiet, Registry, Resul
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+mod variants;
+
+pub use variants::{far, harmless, relative_error, with};
+
 /// A matrix and what it is, for messages.
 pub struct Case {
     /// What it is.

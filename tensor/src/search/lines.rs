@@ -76,10 +76,13 @@ pub(crate) fn pick(hashes: &[u64], weights: &[f64], draw: usize) -> Option<usize
     keys.reduce(|best, next| if next.0 > best.0 { next } else { best }).map(|(_, sample)| sample)
 }
 
-/// A number of a sample, another one for each seed (FNV-1a by words).
+/// A number of a sample, another one for each seed (FNV-1a by words). A power of two that the sample is multiplied by leaves it as it is.
 pub(crate) fn hash(row: &[f32], seed: u64) -> u64 {
-    row.iter()
-        .fold(seed ^ 0xcbf2_9ce4_8422_2325, |hash, v| (hash ^ u64::from(v.to_bits())).wrapping_mul(0x100_0000_01b3))
+    let largest = row.iter().fold(0f32, |most, v| most.max(v.abs()));
+    let unit = if largest > 0.0 { (-f64::from(largest).log2().floor()).exp2() } else { 1.0 };
+    // In double precision nothing that is multiplied by it is lost.
+    let bits = |v: &f32| u64::from(((f64::from(*v) * unit) as f32).to_bits());
+    row.iter().fold(seed ^ 0xcbf2_9ce4_8422_2325, |hash, v| (hash ^ bits(v)).wrapping_mul(0x100_0000_01b3))
 }
 
 /// A unit row: the sum of samples as directions, each times a factor.
