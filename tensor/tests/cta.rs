@@ -128,7 +128,11 @@ fn full_ranks_are_exact() {
 fn clusters_that_were_planted_are_found() {
     let matrix = planted();
     let found = approximate(CtaParams { view: 4, light: 3, sample: 2, ..params() }, &matrix);
-    assert!(found.square < 1e-9 * square(&matrix), "{} {:?}", found.square / square(&matrix), found.history);
+    // What the weights do not hold is a difference of sums, known to 1e-6 of them; what is decoded is known better.
+    assert!(found.square < 1e-6 * square(&matrix), "{} {:?}", found.square / square(&matrix), found.history);
+    let decoded = EncodedCta::store(&found.model, Storage::F32, 0.0);
+    let (measured, whole) = Norm::Coefficients.error_of(&decoded, &matrix).unwrap();
+    assert!(measured < 1e-9 * whole, "{}", measured / whole);
     let first: Vec<u32> = found.model.members[..3].to_vec();
     assert!((0..60).all(|x| found.model.members[x] == first[(x * 7 % 3) * 7 % 3]), "{:?}", found.model.members);
 }
