@@ -44,8 +44,8 @@ impl Row {
 
 /// A value of a parameter, as it is written in a case.
 pub fn mark(value: f64) -> String {
-    let plain = value.to_string();
-    if plain.len() <= 6 { plain } else { format!("{value:e}") }
+    let (plain, power) = (value.to_string(), format!("{value:e}"));
+    if plain.len() <= power.len() { plain } else { power }
 }
 
 /// A line for each case, and where ours failed.

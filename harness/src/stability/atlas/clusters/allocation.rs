@@ -8,7 +8,7 @@ use prt_transfer::random::Random;
 
 pub(super) const CASE: Case = Case {
     name: "allocation",
-    title: "Clusters of many sizes: components moved where they save most",
+    title: "Components for clusters of many sizes",
     source: "Sloan et al. 2003, §4.3: D²/m, without what a vector costs",
     parameter: "ratio of the sizes of neighbouring clusters",
     values: &[1.0, 1.2, 1.4, 1.6, 1.8, 2.0],

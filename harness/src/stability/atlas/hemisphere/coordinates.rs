@@ -9,7 +9,7 @@ use prt_transfer::{Result, linalg};
 
 pub(super) const CASE: Case = Case {
     name: "coordinates",
-    title: "Principal components of lobes on the hemisphere",
+    title: "Components of lobes on the hemisphere",
     source: "Sloan et al. 2003, §4: components of harmonic coefficients",
     parameter: "components",
     values: &[1.0, 2.0, 4.0, 8.0, 12.0, 16.0],

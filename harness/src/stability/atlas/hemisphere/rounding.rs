@@ -7,7 +7,7 @@ use prt_transfer::random::Random;
 
 pub(super) const CASE: Case = Case {
     name: "rounding",
-    title: "Storing a function on the hemisphere in half precision",
+    title: "Half-precision functions on the hemisphere",
     source: "Sloan et al. 2003, appendix: c = A⁻¹b",
     parameter: "order (bands)",
     values: ORDERS,

@@ -6,7 +6,7 @@ use crate::stability::atlas::case::{Case, Form};
 
 pub(super) const CASE: Case = Case {
     name: "rank",
-    title: "Members that are combinations of fewer than the rank",
+    title: "Members of less than the rank",
     source: "Tsai and Shih 2006, Eq. 16",
     parameter: "rank of 24 members, of a cluster of sample rank 8",
     values: &[8.0, 7.0, 6.0, 4.0, 2.0, 1.0],

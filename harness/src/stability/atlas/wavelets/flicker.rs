@@ -8,7 +8,7 @@ use prt_transfer::Result;
 
 pub(super) const CASE: Case = Case {
     name: "flicker",
-    title: "A light that turns by little, cut to 64 coefficients",
+    title: "A light that turns, cut to 64 coefficients",
     source: "Ng et al. 2003, §4: the largest coefficients of each light",
     parameter: "turn from one frame to the next, degrees",
     values: &[10.0, 3.0, 1.0, 0.3, 0.1, 0.03],
