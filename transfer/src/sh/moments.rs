@@ -9,6 +9,10 @@ use rayon::prelude::*;
 /// Texels that one sum goes over; fixed, so that rounding does not depend on threads.
 const BLOCK: usize = 1024;
 
+/// Harmonics that are evaluated for the moments of a basis: seconds. No more than a quarter of it is needed where texels are about as long as
+/// wide.
+const MAX_EVALUATIONS: u64 = 1 << 32;
+
 /// Gauss-Legendre quadrature over the texels of a basis.
 struct Texels {
     harmonics: Harmonics,
@@ -27,6 +31,13 @@ impl Texels {
         Ok(Texels { harmonics, grid, nodes: gauss_legendre(nodes) })
     }
 
+    /// Harmonics that are evaluated for the moments of all texels.
+    fn evaluations(&self, order: usize, basis: &LightBasis) -> u64 {
+        [basis.lights(), order * order, self.nodes.len(), self.nodes.len()]
+            .iter()
+            .fold(1, |product, &n| product.saturating_mul(n as u64))
+    }
+
     /// Adds ∫ Y_i dω over texel `k` to `out`; `y` is scratch, both order² long.
     fn add_moments(&self, k: usize, y: &mut [f64], out: &mut [f64]) {
         for (s, s_weight) in &self.nodes {
@@ -43,8 +54,16 @@ impl Texels {
 /// The integrals ∫ Y_i dω over every texel: lights x order², row by row, in sr.
 ///
 /// Defined on cubemaps and latitude-longitude grids, by Gauss-Legendre quadrature (relative error below 1e-9).
+///
+/// # Errors
+/// A basis without texels; one of long texels, as `latlong:1x16384`, on which the quadrature of high orders would take hours.
 pub fn texel_moments(order: usize, basis: &LightBasis) -> Result<Vec<f32>> {
     let texels = Texels::new(order, basis)?;
+    let found = texels.evaluations(order, basis);
+    if found > MAX_EVALUATIONS {
+        let what = format!("harmonics to evaluate for sh:order={order} on {basis}");
+        return Err(Error::TooLarge { what, limit: MAX_EVALUATIONS, found });
+    }
     let n = order * order;
     let mut moments = vec![0f32; basis.lights() * n];
     moments.par_chunks_mut(n).enumerate().for_each_init(
@@ -105,6 +124,17 @@ mod tests {
                 let expected = if i == 0 { (4.0 * PI).sqrt() } else { 0.0 };
                 assert!((sum - expected).abs() < 1e-9, "{basis} coefficient {i}: {sum}");
             }
+        }
+    }
+
+    #[test]
+    fn texels_that_would_take_hours_are_refused_and_square_ones_are_not() {
+        let refused = texel_moments(32, &"latlong:1x16384".parse().unwrap());
+        assert!(matches!(refused, Err(Error::TooLarge { .. })));
+        for (order, basis) in [(32, "cubemap:52"), (16, "latlong:256x256"), (1, "cubemap:1672"), (32, "latlong:64x32")]
+        {
+            let basis = basis.parse().unwrap();
+            assert!(4 * Texels::new(order, &basis).unwrap().evaluations(order, &basis) <= MAX_EVALUATIONS);
         }
     }
 
