@@ -171,6 +171,7 @@ impl Registry {
     pub fn restore(&self, header: &Header, sections: Vec<Section>) -> Result<Compressed> {
         Error::expect_size("lights of the basis", header.shape.lights, header.basis.lights())?;
         header.responses.check(header.shape)?;
+        affordable(header.shape, &sections)?;
         let mut source = Source::new(sections)?;
         let transform = self.transform_named(&header.label.transform)?.restore(&header.basis, &mut source)?;
         let known = || self.codecs.iter().map(|e| e.tag).collect::<Vec<_>>().join(", ");
@@ -209,6 +210,28 @@ impl Registry {
             .ok_or_else(|| unknown("light transform", &stage.name, &self.transforms()))?;
         (entry.build)(stage)
     }
+}
+
+/// Rows that any file may have …
+const MOST_ROWS: usize = 1 << 24;
+/// … and those that each byte of its sections may stand for besides: a bit for each sample and 1024 responses.
+const ROWS_A_BYTE: usize = 1 << 13;
+
+/// Refuses rows that no byte stands for, such as the samples of a single cluster without components: relighting and counting take them one by one.
+fn affordable(shape: Shape, sections: &[Section]) -> Result<()> {
+    let bytes: usize = sections.iter().map(|s| s.bytes.len()).sum();
+    let limit = bytes.saturating_mul(ROWS_A_BYTE).saturating_add(MOST_ROWS);
+    if shape.rows() <= limit {
+        return Ok(());
+    }
+    let what = format!("rows of a matrix in sections of {bytes} bytes");
+    Err(Error::TooLarge { what, limit: limit as u64, found: shape.rows() as u64 })
+}
+
+/// A sum of coefficients that single precision does not hold, as the nearest number that it does: elements are finite. What is no number, the
+/// difference of two such sums, is the least.
+fn saturated(value: f32) -> f32 {
+    if value.is_nan() { f32::MIN } else { value.clamp(f32::MIN, f32::MAX) }
 }
 
 fn unknown(what: &'static str, name: &str, known: &[About]) -> Error {
@@ -354,13 +377,14 @@ impl Compressed {
         self.encoded.rows_into(first, out);
     }
     /// Reconstructs rows of T̃ from `first` on, one a row of `out` (rows x lights); many at once take less time than one after the other.
-    pub fn rows_into(&self, first: usize, out: ArrayViewMut2<f32>) {
+    pub fn rows_into(&self, first: usize, mut out: ArrayViewMut2<f32>) {
         if self.transform.is_identity() {
             return self.encoded.rows_into(first, out);
         }
         let mut coefficients = Array2::zeros((out.nrows(), self.encoded.shape().lights));
         self.encoded.rows_into(first, coefficients.view_mut());
-        self.transform.restore_rows_into(coefficients.view(), out);
+        self.transform.restore_rows_into(coefficients.view(), out.view_mut());
+        out.mapv_inplace(saturated);
     }
     /// Reconstructs a row of T̃; `out.len()` = lights.
     pub fn row_into(&self, row: usize, out: &mut [f32]) {
@@ -370,6 +394,7 @@ impl Compressed {
         let mut coefficients = vec![0f32; self.encoded.shape().lights];
         self.encoded.row_into(row, &mut coefficients);
         self.transform.restore_row_into(&coefficients, out);
+        out.iter_mut().for_each(|v| *v = saturated(*v));
     }
     /// Operations of relighting with one channel: the transform of the light and the product, counted as they run.
     pub fn flops(&self, light: &[f32]) -> Result<Flops> {
