@@ -76,8 +76,11 @@ pub fn write_picture(path: &Path, picture: &Picture) -> Result<()> {
     image::write_png(path, picture)
 }
 
-/// Writes an array of numbers.
+/// Writes an array of finite numbers. A light or a matrix of the largest numbers gives others, which are refused here.
 pub fn write_array(path: &Path, array: ArrayView2<f32>) -> Result<()> {
+    if let Some(((row, col), &value)) = array.indexed_iter().find(|(_, v)| !v.is_finite()) {
+        return Err(Error::NotFinite { row, col, value: value.into() }.in_file(path));
+    }
     npy::write_array(path, array)
 }
 
