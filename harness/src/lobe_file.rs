@@ -97,13 +97,17 @@ impl LobeFile {
 
 /// Reads a light of lobes.
 pub fn read(path: &Path) -> Result<ScatteredLight> {
+    from_bytes(&files::read_bytes(path)?).map_err(|e| e.in_file(path))
+}
+
+/// As [`read`], from memory.
+pub fn from_bytes(bytes: &[u8]) -> Result<ScatteredLight> {
     let refuse = |found: String| Error::Unsupported {
-        what: format!("light {}", path.display()),
+        what: "light".into(),
         expected: "a light of lobes as prt fit-light writes it".into(),
         found,
     };
-    let file: LobeFile = serde_json::from_slice(&files::read_bytes(path)?).map_err(|e| refuse(e.to_string()))?;
-    file.light().map_err(|e| e.in_file(path))
+    serde_json::from_slice::<LobeFile>(bytes).map_err(|e| refuse(e.to_string()))?.light()
 }
 
 /// Writes a light of lobes.

@@ -15,7 +15,8 @@ impl Results {
     /// Reads the file; one that does not exist is empty.
     pub fn open(path: impl Into<PathBuf>) -> anyhow::Result<Results> {
         let path = path.into();
-        let rows = if path.exists() { read(&path)? } else { Vec::new() };
+        let place = || format!("cannot use {}", path.display());
+        let rows = if path.exists() { from_csv(&files::read_bytes(&path)?).with_context(place)? } else { Vec::new() };
         Ok(Results { path, rows })
     }
 
@@ -51,16 +52,18 @@ pub fn to_csv(rows: &[Row]) -> anyhow::Result<Vec<u8>> {
     Ok(writer.into_inner()?)
 }
 
-fn read(path: &Path) -> anyhow::Result<Vec<Row>> {
-    let place = || path.display().to_string();
-    let mut reader = csv::Reader::from_path(path).with_context(place)?;
+/// The rows that [`to_csv`] wrote.
+///
+/// # Errors
+/// Other columns; a line that is not a row.
+pub fn from_csv(bytes: &[u8]) -> anyhow::Result<Vec<Row>> {
+    let mut reader = csv::Reader::from_reader(bytes);
     let header = to_csv(&[Row::default()])?;
     let expected: Vec<&str> = str::from_utf8(&header)?.lines().next().unwrap_or_default().split(',').collect();
-    let found = reader.headers().with_context(place)?.clone();
-    if !found.iter().eq(expected.iter().copied()) {
-        bail!("{} has other columns than this version writes; move it away or choose another --out", place());
+    if !reader.headers()?.iter().eq(expected.iter().copied()) {
+        bail!("it has other columns than this version writes; move it away or choose another --out");
     }
-    reader.deserialize().collect::<Result<_, _>>().with_context(place)
+    Ok(reader.deserialize().collect::<Result<_, _>>()?)
 }
 
 #[cfg(test)]
@@ -116,7 +119,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("results.csv");
         std::fs::write(&path, "scene,method\na,b\n").unwrap();
-        let message = Results::open(&path).err().map(|e| e.to_string()).unwrap_or_default();
-        assert!(message.contains("results.csv has other columns"), "{message}");
+        let message = Results::open(&path).err().map(|e| format!("{e:#}")).unwrap_or_default();
+        assert!(message.contains("results.csv: it has other columns"), "{message}");
     }
 }
