@@ -1,5 +1,7 @@
 //! What the laws in `tests/` are checked on: small matrices of every kind, every registered method in several settings.
 
+pub mod hostile;
+
 use ndarray::Array2;
 use prt_transfer::hemisphere::local_directions;
 use prt_transfer::{Compressed, Label, LightBasis, Method, Quiet, Registry, Result, TransferMatrix};
