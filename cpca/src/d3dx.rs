@@ -62,6 +62,9 @@ pub fn to_d3dx(model: &Model) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Samples of one cluster without components, which take no bytes: as many as rows that any `.prt` file may have.
+const MOST_WITHOUT_NUMBERS: u128 = 1 << 24;
+
 /// The model of a compressed PRT buffer. Texture sizes are checked and forgotten: samples are texels row by row.
 ///
 /// # Errors
@@ -90,6 +93,11 @@ pub fn from_d3dx(bytes: &[u8]) -> Result<Model> {
     if basis.checked_add(weights + ids) != Some(found) {
         let expected = format!("{basis} numbers of the basis, {weights} weights, {ids} clusters of samples");
         return Err(broken("length", expected, format!("{found} numbers")));
+    }
+    // Without components and with one cluster nothing else is there of a sample.
+    if weights + ids == 0 && samples > MOST_WITHOUT_NUMBERS {
+        let expected = format!("at most {MOST_WITHOUT_NUMBERS} samples that have no numbers");
+        return Err(broken("header", expected, samples.to_string()));
     }
     // The numbers are there, so that their counts fit memory.
     let shape = Shape::new(samples as usize, responses as usize, lights as usize)?;
@@ -239,6 +247,13 @@ mod tests {
         assert_eq!(mean, [9.0, -10.0, 11.0, -12.0, 13.0, -14.0, 15.0, -16.0, 17.0]);
         change_phase(&mut changed);
         assert_eq!(changed, model([2, 3, 9], &[1]));
+    }
+
+    #[test]
+    fn samples_that_take_no_bytes_are_bounded() {
+        let mut bytes = to_d3dx(&model([6, 1, 4], &[0])).unwrap();
+        bytes[..4].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert!(from_d3dx(&bytes).unwrap_err().to_string().contains("expected at most 16777216 samples"));
     }
 
     proptest! {
