@@ -13,6 +13,7 @@ pub use invariants::Check;
 pub use mutation::{mutate, mutate_parts, reseal};
 pub use parts::Parts;
 
+use prt_cpca::d3dx;
 use prt_harness::registry::registry;
 use prt_harness::{lobe_file, results};
 use prt_transfer::io::image::{read_exr, read_hdr};
@@ -64,6 +65,11 @@ fn plain(bytes: &[u8]) -> usize {
     256 * KIB + 32 * bytes.len()
 }
 
+/// As [`plain`]; 2^24 samples of one cluster cost nothing in the file and 4 bytes each in memory.
+fn samples(bytes: &[u8]) -> usize {
+    64 * MIB + plain(bytes)
+}
+
 /// Triplets: 2^20 empty rows cost nothing in the file; offsets of them are held twice.
 fn triplets(bytes: &[u8]) -> usize {
     20 * MIB + 64 * bytes.len()
@@ -86,7 +92,12 @@ fn container(bytes: &[u8]) -> usize {
 
 /// Sections as arrays, as a copy of them and as what relighting holds besides.
 fn sections(bytes: &[u8]) -> usize {
-    2 * MIB + 16 * bytes.len()
+    256 * KIB + 16 * bytes.len()
+}
+
+/// As [`sections`], and tables of the 65,536 symbols of a block.
+fn symbols(bytes: &[u8]) -> usize {
+    2 * MIB + sections(bytes)
 }
 
 /// As [`sections`], and what a light transform derives from its label and basis, up to 2^24 moments and a few numbers for each light.
@@ -200,6 +211,14 @@ pub const READERS: &[Reader] = &[
         share: 1.0,
     },
     Reader {
+        name: "pca",
+        seeds: seeds::pca,
+        read: |bytes| Ok(invariants::model(d3dx::from_d3dx(bytes).map_err(refused)?)),
+        limit: samples,
+        kind: Kind::File,
+        share: 1.0,
+    },
+    Reader {
         name: "lobes",
         seeds: seeds::lobes,
         read: |bytes| Ok(invariants::lobes(lobe_file::from_bytes(bytes).map_err(refused)?)),
@@ -233,7 +252,7 @@ pub const READERS: &[Reader] = &[
     sections_of!("runs", &["runs"], ["runs"], sections, 1.0),
     sections_of!("visibility", &["visibility"], ["visibility"], sections, 1.0),
     sections_of!("truncate", &["truncate"], ["truncate"], sections, 1.0),
-    sections_of!("bicluster", &["bicluster"], ["bicluster"], sections, 1.0),
+    sections_of!("bicluster", &["bicluster"], ["bicluster"], symbols, 1.0),
     sections_of!("cpca", &["vq", "pca", "cpca"], ["vq", "pca", "cpca"], sections, 1.0),
     sections_of!("tensor", &["tucker", "cta"], ["tucker", "cta"], sections, 1.0),
     sections_of!("slf", &["slf"], ["slf"], sections, 1.0),

@@ -3,6 +3,7 @@
 use super::REGISTRY;
 use crate::{decoded, light};
 use ndarray::Array2;
+use prt_cpca::{Model, d3dx};
 use prt_harness::results::{from_csv, to_csv};
 use prt_harness::row::Row;
 use prt_srbf::ScatteredLight;
@@ -91,6 +92,18 @@ pub(super) fn image(mut image: Image) -> Check {
         assert!(image.pixels.iter().flatten().all(|v| v.is_finite() && *v >= 0.0));
         let bytes = exr_bytes(&image, Precision::Single).expect("an image can be written");
         assert_eq!(read_exr(&bytes).expect("what was written"), image);
+    })
+}
+
+/// A model that its own check accepts, and that reads back as it was written.
+pub(super) fn model(model: Model) -> Check {
+    Box::new(move || {
+        model.check().expect("a model that was read");
+        assert_eq!(model.members.len(), model.shape.samples);
+        if model.shape.samples <= MOST {
+            let bytes = d3dx::to_d3dx(&model).expect("what was read can be written");
+            assert!(d3dx::from_d3dx(&bytes).expect("what was written") == model);
+        }
     })
 }
 

@@ -6,12 +6,13 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Layer, LayerAttributes, LineOrder, Vec2,
     WritableImage,
 };
+use prt_cpca::{Cluster, Model, d3dx};
 use prt_harness::results::to_csv;
 use prt_harness::row::Row;
 use prt_transfer::image::Image;
 use prt_transfer::io::image::{Precision, exr_bytes};
 use prt_transfer::io::{npz as npz_files, prt};
-use prt_transfer::{Label, LightBasis, TransferMatrix};
+use prt_transfer::{Label, LightBasis, Shape, TransferMatrix};
 use std::io::{Cursor, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -219,6 +220,24 @@ pub(super) fn exr() -> Vec<Vec<u8>> {
         files.push(file.into_inner());
     }
     files
+}
+
+/// One and several clusters, with and without components, as D3DX writes them.
+pub(super) fn pca() -> Vec<Vec<u8>> {
+    let file = |samples: usize, responses: usize, lights: usize, clusters: usize, components: usize| {
+        let n = responses * lights;
+        let numbers =
+            |count: usize, from: usize| (0..count).map(|i| (i + from) as f32 * 0.5 - 3.0).collect::<Vec<f32>>();
+        let cluster = |k| Cluster { mean: numbers(n, k), components: numbers(components * n, k + 7) };
+        let model = Model {
+            shape: Shape { samples, responses, lights },
+            clusters: (0..clusters).map(cluster).collect(),
+            members: (0..samples).map(|s| (s % clusters) as u32).collect(),
+            weights: numbers(samples * components, 2),
+        };
+        d3dx::to_d3dx(&model).expect("a valid model")
+    };
+    vec![file(5, 1, 4, 2, 2), file(4, 3, 9, 3, 1), file(6, 1, 4, 1, 0), file(7, 3, 4, 1, 2), file(4, 1, 16, 2, 0)]
 }
 
 /// Both kernels, with and without how they were fitted.
