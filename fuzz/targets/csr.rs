@@ -1,0 +1,2 @@
+#![no_main]
+prt_fuzz::fuzz!("csr");
