@@ -77,9 +77,9 @@ pub fn from_d3dx(bytes: &[u8]) -> Result<Model> {
     };
     let [samples, lights, responses, texture_width, texture_height, is_texture, clusters, components] =
         header.map(u32::from_le_bytes);
-    if lights == 0 || responses == 0 || (clusters == 0 && samples > 0) {
-        let found = format!("{lights} coefficients, {responses} channels, {clusters} clusters");
-        return Err(broken("header", "coefficients, channels and clusters of at least 1", found));
+    if [samples, lights, clusters].contains(&0) || !matches!(responses, 1 | 3) {
+        let found = format!("{samples} samples, {lights} coefficients, {responses} channels, {clusters} clusters");
+        return Err(broken("header", "at least 1 sample, coefficient and cluster, 1 or 3 channels", found));
     }
     let texels = u64::from(texture_width) * u64::from(texture_height);
     if is_texture != 0 && texels != u64::from(samples) {
