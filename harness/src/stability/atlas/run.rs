@@ -20,7 +20,7 @@ pub(in crate::stability) fn run(names: &[String], out: &Path, threads: usize) ->
     terminal::say(table::text(&atlas))?;
     let (legend, machine) = (table::LEGEND, machine.line());
     terminal::say(format!(
-        "\n{legend}\n{machine}\nstability.csv and charts as .svg and .png are in {}",
+        "\n{legend}\n{machine}\nstability.csv, stability.md and charts as .svg and .png are in {}",
         out.display()
     ))?;
     let broken = atlas.violated().count();
@@ -44,6 +44,7 @@ const CSV: &str = "stability.csv";
 
 fn write(atlas: &Atlas, out: &Path, machine: &Machine) -> anyhow::Result<()> {
     files::write_beside(&out.join(CSV), &csv::to_csv(atlas, machine)?)?;
+    files::write_beside(&out.join("stability.md"), table::markdown(atlas, &machine.line()).as_bytes())?;
     for (part, outcomes) in &atlas.parts {
         let (path, chart) = (|extension| out.join(format!("{}.{extension}", part.name)), chart::chart(part, outcomes));
         files::write_beside(&path("svg"), chart.svg(Some(machine)).as_bytes())?;
