@@ -140,4 +140,25 @@ mod tests {
         assert!(Ledger::open(&folder.path().join("other.csv"), "a".into()).is_err());
         assert_eq!((pca.as_str(), found, cta.as_str(), why.as_str()), ("pca", &trial, "cta", "no, \"not\" here"));
     }
+
+    #[test]
+    fn whatever_the_bytes_a_ledger_is_refused_or_tells_what_it_knows() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("trials.csv");
+        let (mut ledger, _) = Ledger::open(&path, "a".into()).unwrap();
+        ledger.add("pca", &Attempt::Failed("too few".into())).unwrap();
+        ledger.add("vq", &Attempt::Tried(Trial::default())).unwrap();
+        drop(ledger);
+        let whole = std::fs::read(&path).unwrap();
+        let mut opened = [0, 0];
+        for at in (0..whole.len()).step_by(5) {
+            let cut = whole[..at].to_vec();
+            let changed = |byte: u8| [&whole[..at], &[byte], &whole[at + 1..]].concat();
+            for bytes in [cut, changed(b'"'), changed(b','), changed(0xff), changed(b'9')] {
+                std::fs::write(&path, bytes).unwrap();
+                opened[usize::from(Ledger::open(&path, "a".into()).is_ok())] += 1;
+            }
+        }
+        assert!(opened[0] > 0 && opened[1] > 0, "{opened:?}");
+    }
 }
