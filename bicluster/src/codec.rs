@@ -7,6 +7,7 @@ use crate::growth::Options;
 use crate::lay_out::{compact, lay_out, partition, rows};
 use crate::listing::can_list;
 use crate::params::{BiclusterParams, Levels, Seeds};
+use prt_transfer::footprint::{Extent, Footprint, by};
 use prt_transfer::params::Value;
 use prt_transfer::{Codec, Configure, Encoded, Error, Params, Progress, Result, Sink, TransferMatrix};
 use rayon::prelude::*;
@@ -49,6 +50,17 @@ impl Codec for Bicluster {
             }
             _ => self.exact(matrix, progress),
         }
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        // Rows cut into kinds, `compact` to compare with, and the elements in hashes where values differ, as those of dense matrices do; an
+        // approximation holds what every element costs besides.
+        let costs = if self.0.max_error.is_some_and(|bound| bound > 0.0) { 26.0 } else { 0.0 };
+        let of_rows = by(50.0, extent.rows());
+        let (peak, result) = match extent.is_thin() {
+            true => (by(17.0 + costs, extent.non_zeros), by(8.0, extent.non_zeros)),
+            false => (by(52.0 + costs, extent.non_zeros) + by(6.0, extent.cells()), by(4.0, extent.cells())),
+        };
+        Some(Footprint { peak: peak + of_rows, result: result + of_rows })
     }
 }
 

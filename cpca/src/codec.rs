@@ -4,11 +4,13 @@ use crate::bounded::{Bounded, bounded};
 use crate::encoded::EncodedCpca;
 use crate::engine::{Clustering, Engine, Plan};
 use crate::finish::finish;
+use crate::footprint;
 use crate::model::Model;
 use crate::params::{Allocation, Clusters, CpcaParams, Mode, PcaParams, Solver, Start, VqParams};
 use crate::{Norm, Width};
+use prt_transfer::footprint::by;
 use prt_transfer::samples::Samples;
-use prt_transfer::{Codec, Configure, Error, Params, Progress, Result, TransferMatrix};
+use prt_transfer::{Codec, Configure, Error, Extent, Footprint, Params, Progress, Result, TransferMatrix};
 
 /// Most clusters.
 const MAX_CLUSTERS: usize = 1 << 16;
@@ -105,6 +107,11 @@ impl Codec for Vq {
         let (solver, weights) = (Solver::Auto, Width::F32);
         Task { plan, clusters: Some(clusters), solver, norm, weights, representatives }.encode(matrix, progress)
     }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        let clusters = self.0.clusters as u64;
+        let result = footprint::result(extent, clusters, 0, (Width::F32, self.0.representatives));
+        Some(Footprint { peak: footprint::searched(extent) + 2 * result, result })
+    }
 }
 
 impl Codec for Pca {
@@ -117,6 +124,14 @@ impl Codec for Pca {
             None => task.encode(matrix, progress),
             Some(bound) => task.encode_bounded::<PcaParams>(matrix, bound, progress),
         }
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        let PcaParams { components, weights, representatives, max_error, .. } = self.0;
+        let components = if max_error.is_some() { footprint::rank(extent) } else { components as u64 };
+        let result = footprint::result(extent, 1, components, (weights, representatives));
+        let solved = footprint::solved(extent, components);
+        let peak = if max_error.is_some() { footprint::bounded(extent) } else { solved };
+        Some(Footprint { peak: peak + result, result })
     }
 }
 
@@ -142,6 +157,24 @@ impl Codec for Cpca {
             None => task.encode(matrix, progress),
             Some(bound) => task.encode_bounded::<CpcaParams>(matrix, bound, progress),
         }
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        let CpcaParams { clusters, components, mode, weights, representatives, max_error, .. } = self.0;
+        let components = components as u64;
+        if max_error.is_some() {
+            let result = footprint::result(extent, 1, footprint::rank(extent), (weights, representatives));
+            return Some(Footprint { peak: footprint::bounded(extent) + result, result });
+        }
+        let clusters = match clusters {
+            Clusters::Number(number) => number as u64,
+            Clusters::Auto => 1,
+        };
+        let result = footprint::result(extent, clusters, components, (weights, representatives));
+        // A few clusters are solved at once, the largest of them several times as large as the mean.
+        let share = (3.0 * rayon::current_num_threads() as f64 / clusters as f64).min(1.0);
+        let solved = by(share, footprint::solved(extent, components));
+        let sweeps = if mode == Mode::Adaptive { by(12.0, extent.cells()) } else { 0 };
+        Some(Footprint { peak: footprint::searched(extent) + solved + sweeps + 2 * result, result })
     }
 }
 

@@ -49,6 +49,7 @@ pub mod d3dx;
 mod encoded;
 mod engine;
 mod finish;
+mod footprint;
 mod grouping;
 
 mod head;

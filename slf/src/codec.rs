@@ -10,6 +10,7 @@ use crate::params::{Maps, SlfParams};
 use crate::residual::Residual;
 use crate::search;
 use prt_cpca::Clusters;
+use prt_transfer::footprint::{Extent, Footprint, by};
 use prt_transfer::numbers::Width;
 use prt_transfer::{Codec, Configure, Error, Params, Progress, Result, TransferMatrix};
 
@@ -84,6 +85,22 @@ impl Codec for Slf {
             }
             (None, Clusters::Auto) => Err(auto_without_bound()),
         }
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        // Texels less their means, clustered; the bases of every cluster, in double precision while they are found.
+        let SlfParams { clusters, components, max_error, surface, views, .. } = self.0;
+        let (samples, lights) = (extent.shape.samples as u64, extent.shape.lights as u64);
+        let responses = extent.shape.responses as u64;
+        let (clusters, components) = match (max_error, clusters) {
+            (None, Clusters::Number(clusters)) => ((clusters as u64).min(samples), components as u64),
+            _ => (1, lights),
+        };
+        let components = components.min(lights).min(samples);
+        let result = by(surface.bytes() as f64, samples * responses * (components + 1))
+            + by(views.bytes() as f64, clusters * responses * lights * components)
+            + by(16.0, samples);
+        let searched = if max_error.is_some() { 28.0 } else { 14.0 };
+        Some(Footprint { peak: by(searched, extent.cells()) + by(2.0, result), result })
     }
 }
 

@@ -1,10 +1,12 @@
 //! The codec `cta`.
 
 use crate::encoded::EncodedCta;
+use crate::footprint;
 use crate::model::{Cluster, Model};
 use crate::params::CtaParams;
 use crate::search::{Found, MOST_ROWS, Plan, Ranks, Slabs, Sweep, search};
 use ndarray::Array2;
+use prt_transfer::footprint::{Extent, Footprint, by};
 use prt_transfer::groups::Groups;
 use prt_transfer::samples::Samples;
 use prt_transfer::{Codec, Configure, Params, Progress, Result, Shape, TransferMatrix};
@@ -140,6 +142,18 @@ impl Codec for Cta {
         let added = (self.0.noise * found.square).max(LEAST_ADDED * found.energy);
         let encoded = EncodedCta::store_scaled(&found.model, self.0.numbers, added, found.of_bases);
         Ok(encoded.with_note(told(&found)))
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        // Samples, and what the light bases begin with, in double precision.
+        let CtaParams { clusters, view, light, sample, members, .. } = self.0;
+        let result = footprint::result(
+            extent,
+            clusters.min(extent.shape.samples),
+            [sample * members.min(clusters), view, light],
+        );
+        let lights = extent.shape.lights as u64;
+        let basis = by(8.0, lights * lights.min(extent.rows()));
+        Some(Footprint { peak: by(4.0, extent.cells()) + by(5.6, basis) + 2 * result, result })
     }
 }
 

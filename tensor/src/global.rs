@@ -1,10 +1,12 @@
 //! The codec `tucker`: one Tucker decomposition of samples x responses x lights.
 
 use crate::encoded::EncodedCta;
+use crate::footprint;
 use crate::model::{Cluster, Model};
 use crate::params::TuckerCodecParams;
 use crate::tucker::{Algorithm, Decomposer, Ranks, Tucker, TuckerParams};
 use ndarray::{Array2, ArrayViewD, Ix3};
+use prt_transfer::footprint::{Extent, Footprint, by};
 use prt_transfer::samples::Samples;
 use prt_transfer::{Codec, Configure, Params, Progress, Result, Shape, TransferMatrix};
 
@@ -143,5 +145,24 @@ impl Codec for TuckerCodec {
         }
         let expected = format!("at least {least:.1e}, or wider numbers");
         Err(TuckerCodecParams::refuse("max_error", bound, expected))
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        // The tensor in double precision, and the eigenproblem of the larger of its modes, of what those before it left.
+        let TuckerCodecParams { view, light, sample, mode, max_error, .. } = self.0;
+        let Shape { samples, responses, lights } = extent.shape;
+        let ranks = match max_error {
+            Some(_) => [samples, responses, lights].map(|n| n.div_ceil(2)),
+            None => [sample.min(samples), view.min(responses), light.min(lights)],
+        };
+        let result = footprint::result(extent, 1, ranks);
+        let all = mode == Algorithm::Hosvd || max_error.is_some();
+        let left = if all { samples * responses } else { ranks[0] * ranks[1] };
+        let gram = footprint::gram(samples, responses * lights).max(footprint::gram(lights, left));
+        let solved = if mode == Algorithm::Randomised {
+            by(17.0, extent.cells())
+        } else {
+            by(10.0, extent.cells()) + by(7.0, gram)
+        };
+        Some(Footprint { peak: solved + result, result })
     }
 }

@@ -49,6 +49,7 @@
 mod apply;
 mod codec;
 mod encoded;
+mod footprint;
 mod global;
 mod kernel;
 mod layout;

@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::flops::Flops;
+use crate::footprint::{Extent, Footprint};
 use crate::matrix::{Shape, TransferMatrix};
 use crate::params::Params;
 use crate::progress::Progress;
@@ -24,6 +25,12 @@ pub trait Codec: Configure {
     type Encoded: Encoded + Restore + 'static;
     /// Compresses `matrix`. The same input and parameters give the same bytes on any number of threads.
     fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Self::Encoded>;
+    /// What [`Codec::encode`] of such a matrix takes in memory on rayon's current pool, so that what does not fit can be refused before it is
+    /// begun; `None` where nobody has measured it.
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        let _ = extent;
+        None
+    }
 }
 
 /// A compressed matrix: relights without being decompressed.

@@ -7,6 +7,7 @@
 use crate::codec::{Codec, Configure, Encoded, Restore};
 use crate::error::Result;
 use crate::flops::Flops;
+use crate::footprint::{Extent, Footprint, by};
 use crate::matrix::{Shape, TransferMatrix};
 use crate::narrow::Narrow;
 use crate::progress::Progress;
@@ -38,6 +39,15 @@ impl Codec for Compact {
     type Encoded = EncodedCompact;
     fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<EncodedCompact> {
         Ok(EncodedCompact(Narrow::exact(matrix, progress)?))
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        // Columns and table codes beside the elements, of a dense matrix all of its elements too.
+        let of_rows = by(24.0, extent.rows());
+        let (peak, result) = match extent.is_thin() {
+            true => (by(9.0, extent.non_zeros), by(8.0, extent.non_zeros)),
+            false => (by(12.0, extent.non_zeros) + by(6.4, extent.cells()), by(4.0, extent.cells())),
+        };
+        Some(Footprint { peak: peak + of_rows, result: result + of_rows })
     }
 }
 

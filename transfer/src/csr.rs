@@ -3,6 +3,7 @@
 use crate::codec::{Codec, Configure, Encoded, Restore};
 use crate::error::Result;
 use crate::flops::{Count, Flops};
+use crate::footprint::{Extent, Footprint, by};
 use crate::kernel::{self, BLOCK_ROWS, RowKernel};
 use crate::matrix::{Row, Shape, TransferMatrix};
 use crate::progress::Progress;
@@ -64,6 +65,12 @@ impl Codec for Csr {
         columns.shrink_to_fit();
         values.shrink_to_fit();
         Ok(EncodedCsr { shape: matrix.shape(), offsets, columns, values })
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        // Of a dense matrix nobody knows how many there will be: vectors grow to twice what they hold.
+        let (offsets, grown) = (by(8.0, extent.rows() + 1), if extent.sparse { 1.0 } else { 2.0 });
+        let of_elements = |bytes: f64| by(bytes, extent.non_zeros) + offsets;
+        Some(Footprint { peak: of_elements(grown * 8.0), result: of_elements(8.0) })
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::codec::{Codec, Configure, Encoded, Restore};
 use crate::error::Result;
 use crate::flops::{Count, Flops, Tally};
+use crate::footprint::{Extent, Footprint, by};
 use crate::kernel;
 use crate::matrix::{Shape, TransferMatrix};
 use crate::progress::Progress;
@@ -43,6 +44,10 @@ impl Codec for Dense {
             progress.advance(1)?;
         }
         Ok(EncodedDense { shape: matrix.shape(), values })
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        let result = by(4.0, extent.cells());
+        Some(Footprint { peak: result, result })
     }
 }
 

@@ -7,6 +7,7 @@
 use crate::codec::{Codec, Configure, Encoded, Restore};
 use crate::error::Result;
 use crate::flops::Flops;
+use crate::footprint::{Extent, Footprint, by};
 use crate::matrix::{Shape, TransferMatrix};
 use crate::narrow::{Narrow, Pattern, Values};
 use crate::progress::Progress;
@@ -45,6 +46,15 @@ impl Codec for F16 {
         }
         let (pattern, values) = Pattern::of(matrix, progress)?;
         Ok(EncodedF16(Narrow::sparse(matrix.shape(), pattern, Values::halves(&values))))
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        if !extent.sparse {
+            let result = by(2.0, extent.cells());
+            return Some(Footprint { peak: result, result });
+        }
+        // As `compact`, with values of two bytes.
+        let of_rows = by(24.0, extent.rows());
+        Some(Footprint { peak: by(9.0, extent.non_zeros) + of_rows, result: by(6.0, extent.non_zeros) + of_rows })
     }
 }
 

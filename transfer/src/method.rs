@@ -10,6 +10,7 @@ use crate::basis::LightBasis;
 use crate::codec::{Codec, Encoded, Restore};
 use crate::error::{Error, Result};
 use crate::flops::Flops;
+use crate::footprint::{Extent, Footprint};
 use crate::label::{Label, Stage};
 use crate::matrix::{Layout, Shape, TransferMatrix, check_apply};
 use crate::params::{Field, Params};
@@ -91,6 +92,7 @@ trait AnyCodec: Send + Sync {
     fn stage(&self) -> Stage;
     fn tag(&self) -> &'static str;
     fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Box<dyn Encoded>>;
+    fn footprint(&self, extent: &Extent) -> Option<Footprint>;
 }
 
 /// [`Transform`] without its associated types.
@@ -109,6 +111,9 @@ impl<C: Codec> AnyCodec for C {
     }
     fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Box<dyn Encoded>> {
         Ok(Box::new(Codec::encode(self, matrix, progress)?))
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        Codec::footprint(self, extent)
     }
 }
 
@@ -253,6 +258,24 @@ impl Method {
     /// Compresses `matrix`: transforms its rows, then hands them to the codec.
     pub fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<Compressed> {
         self.encode_transformed(matrix, &self.transformed(matrix, progress)?, progress)
+    }
+    /// What [`Method::encode`] of such a matrix takes in memory on rayon's current pool: [`Codec::footprint`] and C of T ≈ C·B.
+    ///
+    /// # Errors
+    /// A basis that the light transform is not defined on.
+    pub fn footprint(&self, extent: &Extent, basis: &LightBasis) -> Result<Option<Footprint>> {
+        let transform = self.bind(basis)?;
+        if transform.is_identity() {
+            return Ok(self.codec.footprint(extent));
+        }
+        let (coefficients, making) = rows::footprint(extent, &*transform);
+        // What the transform derives from the basis, and what that is made of.
+        let derived = transform.derived_bytes() as u64;
+        let of_codec = self.codec.footprint(&coefficients);
+        Ok(of_codec.map(|Footprint { peak, result }| Footprint {
+            peak: making.max(coefficients.bytes() + peak) + 4 * derived,
+            result: result + derived,
+        }))
     }
     /// The light transform on a basis: what makes C's rows of T's.
     pub fn bind(&self, basis: &LightBasis) -> Result<Box<dyn LightTransform>> {

@@ -18,6 +18,7 @@ mod split;
 use crate::codec::{Codec, Configure, Encoded, Restore};
 use crate::error::Result;
 use crate::flops::{Count, Flops, NoCount, Tally};
+use crate::footprint::{Extent, Footprint, by};
 use crate::kernel::{self, BLOCK_ROWS, RowKernel};
 use crate::matrix::{Shape, TransferMatrix, check_apply};
 use crate::narrow::Narrow;
@@ -68,6 +69,15 @@ impl Codec for Runs {
             }
         }
         Ok(EncodedRuns { singles, runs: Some(runs) })
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        // Runs of visibility are long: two bytes an element. Values that all differ are runs of one.
+        let of_rows = by(32.0, extent.rows());
+        let (peak, result) = match extent.is_thin() {
+            true => (by(2.0, extent.non_zeros), by(1.5, extent.non_zeros)),
+            false => (by(12.0, extent.non_zeros) + by(8.8, extent.cells()), by(4.0, extent.cells())),
+        };
+        Some(Footprint { peak: peak + of_rows, result: result + of_rows })
     }
 }
 

@@ -24,6 +24,7 @@ mod sky;
 use crate::codec::{Codec, Configure, Encoded};
 use crate::error::{Error, Result};
 use crate::flops::{Count, Flops, Tally};
+use crate::footprint::{Extent, Footprint, by};
 use crate::kernel::BLOCK_ROWS;
 use crate::matrix::{Shape, TransferMatrix, check_apply};
 use crate::narrow::Whole;
@@ -144,6 +145,11 @@ impl Codec for Visibility {
     type Encoded = EncodedVisibility;
     fn encode(&self, matrix: &TransferMatrix, progress: &dyn Progress) -> Result<EncodedVisibility> {
         encode::encode(matrix, progress)
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        // A frame a sample and its runs, a byte or two an element.
+        let peak = by(1.6, extent.non_zeros) + by(12.0, extent.rows());
+        Some(Footprint { peak, result: by(0.25, extent.non_zeros) + by(64.0, extent.shape.samples as u64) })
     }
 }
 

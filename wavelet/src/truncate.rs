@@ -4,6 +4,7 @@ use crate::encoded::EncodedTruncate;
 use crate::keep::{Kept, Rule};
 use crate::stored::Rounding;
 use crate::threshold::Threshold;
+use prt_transfer::footprint::{Extent, Footprint, by};
 use prt_transfer::{Codec, Configure, Params, Progress, Result, TransferMatrix};
 
 prt_transfer::choices! {
@@ -85,6 +86,9 @@ impl Truncate {
     }
 }
 
+/// What a threshold is sought in, bytes.
+const HISTOGRAM: u64 = 17_000_000;
+
 impl Codec for Truncate {
     type Encoded = EncodedTruncate;
 
@@ -92,5 +96,16 @@ impl Codec for Truncate {
         let rule = self.rule(matrix, progress)?;
         let kept = Kept::gather(matrix, &rule, Rounding::of_bits(self.0.bits), progress)?;
         EncodedTruncate::new(matrix.shape(), kept, self.0.bits, self.0.order)
+    }
+    fn footprint(&self, extent: &Extent) -> Option<Footprint> {
+        // Kept elements in blocks, put together, and stored.
+        let TruncateParams { terms, energy, max_error, .. } = self.0;
+        let default = if energy.or(max_error).is_some() { 0 } else { DEFAULT_TERMS };
+        let terms = Some(terms.unwrap_or(default)).filter(|&t| t > 0);
+        let of_rows = |terms: usize| extent.rows().saturating_mul(terms as u64);
+        let kept = terms.map_or(extent.non_zeros, |terms| extent.non_zeros.min(of_rows(terms)));
+        let sought = if max_error.is_some() { HISTOGRAM } else { 0 };
+        let peak = by(22.0, kept).max(sought) + by(40.0, extent.rows());
+        Some(Footprint { peak, result: by(8.0, kept) + by(8.0, extent.rows()) })
     }
 }

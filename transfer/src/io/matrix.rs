@@ -3,6 +3,7 @@
 use super::{extension, mtx, npy, npz, unknown_extension};
 use crate::basis::LightBasis;
 use crate::error::{Error, Result};
+use crate::footprint::Extent;
 use crate::matrix::{Layout, TransferMatrix};
 use crate::responses::ResponseBasis;
 use std::path::Path;
@@ -58,6 +59,17 @@ pub fn read(path: impl AsRef<Path>, description: &Description) -> Result<Transfe
         "npz" => Ok(npz::read(path, description)?.matrix),
         "npy" => npy::read(path, description),
         "mtx" => mtx::read(path, description),
+        _ => Err(unknown_extension(path, "matrix file extension", KNOWN)),
+    }
+}
+
+/// What [`read`] would read, told without reading its elements; `None` of a text, which tells nothing before.
+pub fn outline(path: impl AsRef<Path>, description: &Description) -> Result<Option<(Extent, LightBasis)>> {
+    let path = path.as_ref();
+    match extension(path).as_str() {
+        "npz" => npz::outline(path, description).map(Some),
+        "npy" => npy::outline(path, description).map(Some),
+        "mtx" => Ok(None),
         _ => Err(unknown_extension(path, "matrix file extension", KNOWN)),
     }
 }

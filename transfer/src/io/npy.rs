@@ -9,7 +9,9 @@ use super::matrix::Description;
 use super::numpy::{ArrayHeader, header};
 use super::triplets::{lights, rows_of};
 use super::{Place, open};
+use crate::basis::LightBasis;
 use crate::error::{Error, Result};
+use crate::footprint::Extent;
 use crate::matrix::{Layout, Shape, TransferMatrix};
 use crate::responses::ResponseBasis;
 use ndarray::{Array2, ArrayView2};
@@ -27,20 +29,41 @@ pub fn read(path: impl AsRef<Path>, description: &Description) -> Result<Transfe
 /// As [`read`], from any source.
 pub fn read_from(source: impl Read + Seek, description: &Description) -> Result<TransferMatrix> {
     let Array { shape, values } = read_array(source)?;
-    let (carried, rows, columns) = match shape[..] {
-        [rows, columns] => (None, rows, columns),
+    let (carried, rows, columns) = rows_and_columns(&shape)?;
+    let (by_samples, lights) = (carried.responses.is_some(), lights(columns as u64)?);
+    let rows = rows_of(rows as u64, lights)?;
+    let (responses, basis) = description.and(carried, lights)?;
+    let matrix = TransferMatrix::from_dense(values, rows, responses.responses(), basis)?.with_responses(responses)?;
+    Ok(if by_samples { matrix.by_samples() } else { matrix })
+}
+
+/// What [`read`] would read, from the header alone; how many elements are 0 it does not say, so that all count.
+pub fn outline(path: impl AsRef<Path>, description: &Description) -> Result<(Extent, LightBasis)> {
+    let path = path.as_ref();
+    let header = ArrayHeader::read(&mut open(path)?, PLACE);
+    header.and_then(|header| outline_of(&header.shape, description)).map_err(|e| e.in_file(path))
+}
+
+fn outline_of(shape: &[usize], description: &Description) -> Result<(Extent, LightBasis)> {
+    let (carried, rows, columns) = rows_and_columns(shape)?;
+    let lights = lights(columns as u64)?;
+    let (responses, basis) = description.and(carried, lights)?;
+    let responses = responses.responses();
+    let shape = Shape::new(rows_of(rows as u64, lights)?.div_ceil(responses), responses, lights)?;
+    Ok((Extent { shape, non_zeros: rows as u64 * lights as u64, sparse: false }, basis))
+}
+
+/// What the axes say of the responses, rows, and columns.
+fn rows_and_columns(shape: &[usize]) -> Result<(Description, usize, usize)> {
+    match *shape {
+        [rows, columns] => Ok((Description::default(), rows, columns)),
         [samples, responses, columns] => {
             let rows = Shape::new(samples, responses, lights(columns as u64)?)?.rows();
-            (Some(responses), rows, columns)
+            let carried = Description { responses: Some(ResponseBasis::Plain { responses }), basis: None };
+            Ok((carried, rows, columns))
         }
-        _ => return Err(PLACE.broken("2 axes (rows, lights) or 3 (samples, responses, lights)", axes(&shape))),
-    };
-    let lights = lights(columns as u64)?;
-    let rows = rows_of(rows as u64, lights)?;
-    let in_file = carried.map(|responses| ResponseBasis::Plain { responses });
-    let (responses, basis) = description.and(Description { responses: in_file, basis: None }, lights)?;
-    let matrix = TransferMatrix::from_dense(values, rows, responses.responses(), basis)?.with_responses(responses)?;
-    Ok(if carried.is_some() { matrix.by_samples() } else { matrix })
+        _ => Err(PLACE.broken("2 axes (rows, lights) or 3 (samples, responses, lights)", axes(shape))),
+    }
 }
 
 /// Reads a light, lights x channels, all finite. A 1-D array is one channel.

@@ -9,10 +9,12 @@ use super::atomic;
 use super::element::{Elements, Values, overflow};
 use super::matrix::Description;
 use super::numpy::{ArrayHeader, header};
-use super::triplets::{SparseParts, Triplets, lights};
+use super::triplets::{SparseParts, Triplets, lights, rows_of};
 use super::{Place, broken, open};
+use crate::basis::LightBasis;
 use crate::error::{Error, Result};
-use crate::matrix::TransferMatrix;
+use crate::footprint::Extent;
+use crate::matrix::{Shape, TransferMatrix};
 use crate::responses::ResponseBasis;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -55,8 +57,7 @@ pub fn read(path: impl AsRef<Path>, description: &Description) -> Result<Signal>
 
 /// As [`read`], from any source.
 pub fn read_from(source: impl Read + Seek, description: &Description) -> Result<Signal> {
-    let archive = ZipArchive::new(source).map_err(|e| broken("npz", "archive", "a zip archive", e.to_string()))?;
-    let mut archive = Archive(archive);
+    let mut archive = Archive::new(source)?;
     let note = archive.note()?;
     let parts = match archive.format()?.as_str() {
         "csr" => archive.csr()?,
@@ -66,26 +67,62 @@ pub fn read_from(source: impl Read + Seek, description: &Description) -> Result<
             return Err(broken("npz", "entry 'format.npy'", "csr, csc or coo (convert with .tocsr())", other));
         }
     };
-    let basis = note.basis.map(|text| text.parse()).transpose()?;
-    let responses = match (note.response_basis, note.responses) {
-        (Some(text), number) => {
-            let basis: ResponseBasis = text.parse()?;
-            Error::expect_size(
-                format!("responses of {basis}"),
-                basis.responses(),
-                number.unwrap_or(basis.responses()),
-            )?;
-            Some(basis)
-        }
-        (None, number) => number.map(|responses| ResponseBasis::Plain { responses }),
-    };
-    let carried = Description { responses, basis };
+    let carried = note.description()?;
     Ok(Signal { matrix: parts.matrix(description, carried)?, signal: note.signal })
+}
+
+/// What [`read`] would read, from the beginnings of the entries alone.
+pub fn outline(path: impl AsRef<Path>, description: &Description) -> Result<(Extent, LightBasis)> {
+    let path = path.as_ref();
+    outline_of(open(path)?, description).map_err(|e| e.in_file(path))
+}
+
+fn outline_of(source: impl Read + Seek, description: &Description) -> Result<(Extent, LightBasis)> {
+    let mut archive = Archive::new(source)?;
+    let carried = archive.note()?.description()?;
+    let (rows, columns) = archive.shape()?;
+    let lights = lights(columns)?;
+    let (responses, basis) = description.and(carried, lights)?;
+    let non_zeros = archive.length("data.npy")?;
+    let samples = rows_of(rows, lights)?.div_ceil(responses.responses());
+    Ok((Extent { shape: Shape::new(samples, responses.responses(), lights)?, non_zeros, sparse: true }, basis))
+}
+
+impl Note {
+    fn description(&self) -> Result<Description> {
+        let basis = self.basis.as_ref().map(|text| text.parse()).transpose()?;
+        let responses = match (&self.response_basis, self.responses) {
+            (Some(text), number) => {
+                let basis: ResponseBasis = text.parse()?;
+                let (what, known) = (format!("responses of {basis}"), basis.responses());
+                Error::expect_size(what, known, number.unwrap_or(known))?;
+                Some(basis)
+            }
+            (None, number) => number.map(|responses| ResponseBasis::Plain { responses }),
+        };
+        Ok(Description { responses, basis })
+    }
 }
 
 struct Archive<R>(ZipArchive<R>);
 
 impl<R: Read + Seek> Archive<R> {
+    fn new(source: R) -> Result<Archive<R>> {
+        let archive = ZipArchive::new(source);
+        archive.map(Archive).map_err(|e| broken("npz", "archive", "a zip archive", e.to_string()))
+    }
+    /// Elements of an array, which is not read.
+    fn length(&mut self, name: &str) -> Result<u64> {
+        let label = format!("entry '{name}'");
+        let place = Place { format: "npz", name: &label };
+        let entry = self.0.index_for_name(name).map(|index| self.0.by_index(index));
+        let mut file = match entry {
+            Some(Ok(file)) => file,
+            Some(Err(e)) => return Err(place.broken("a stored or deflated entry", e.to_string())),
+            None => return Err(place.broken("a matrix saved by scipy.sparse.save_npz", "none")),
+        };
+        Ok(ArrayHeader::read(&mut file, place)?.count(place)? as u64)
+    }
     /// Reads one array with `take`, then makes sure that nothing follows it and that its checksum holds.
     fn entry<T>(
         &mut self,

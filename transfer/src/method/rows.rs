@@ -1,7 +1,8 @@
 //! Whole matrices through a light transform.
 
 use crate::error::Result;
-use crate::matrix::TransferMatrix;
+use crate::footprint::{Extent, by};
+use crate::matrix::{Shape, TransferMatrix};
 use crate::progress::Progress;
 use crate::transform::LightTransform;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
@@ -96,6 +97,22 @@ impl Rows<'_> {
         }
         TransferMatrix::from_csr(offsets, columns, values, self.matrix.shape().responses, basis)
     }
+}
+
+/// What C of T ≈ C·B is like, and the most bytes held while it is made, itself included. A sparse T stays so where C has as many columns: rows
+/// of fewer are mostly full.
+pub(super) fn footprint(extent: &Extent, transform: &dyn LightTransform) -> (Extent, u64) {
+    let lights = transform.output().lights();
+    let shape = Shape { lights, ..extent.shape };
+    let sparse = extent.sparse && lights >= extent.shape.lights;
+    let cells = extent.rows().saturating_mul(lights as u64);
+    // Every edge of what is not 0 costs wavelets of every scale.
+    let wavelets = by(1.15, extent.non_zeros) + by(13.0, extent.rows());
+    let coefficients = Extent { shape, non_zeros: if sparse { wavelets.min(cells) } else { cells }, sparse };
+    let block = block_of(extent.shape.lights) * (extent.shape.lights + lights) * size_of::<f32>();
+    // Sparse blocks, each grown to twice its length at worst, beside the whole, which grows too.
+    let made = if sparse { by(24.0, coefficients.non_zeros) + by(48.0, extent.rows()) } else { coefficients.bytes() };
+    (coefficients, made + (block * rayon::current_num_threads()) as u64)
 }
 
 const WHOLE_ROWS: &str = "a block is whole rows";
