@@ -43,23 +43,17 @@ pub struct About {
     pub seconds: f64,
 }
 
-/// Finds the matrix of `origin` in `folder`, or computes and keeps it. Only scenes are kept; files are where they are.
-pub fn prepare(folder: &Path, origin: &Origin, progress: &dyn Progress) -> anyhow::Result<Prepared> {
+/// The matrix of a scene or a field, and the rays and seconds that it took; nothing is kept.
+pub fn computed(origin: &Origin, progress: &dyn Progress) -> anyhow::Result<(TransferMatrix, u64, f64)> {
     match origin {
-        Origin::Matrix(path) => {
-            let matrix = files::read_matrix(path, &Description::default())?;
-            Ok(Prepared { about: About::of(&matrix, 0, 0.0), path: path.clone(), matrix: Some(matrix) })
-        }
+        Origin::Matrix(path) => bail!("{} is not computed", path.display()),
         Origin::Scene { scene, vertices, up, spec } => {
-            // A dense matrix keeps its form only in .npy, which does not carry the basis.
-            let extension = if spec.signal == Signal::Biscale { "npz" } else { "npy" };
-            // A mesh may change under its name; a built-in scene changes with the program.
-            kept(folder, origin, extension, vertices.is_some(), || {
-                let made = Computation::new(scene, *vertices, *up, spec)?.matrix(progress)?;
-                Ok((made.matrix, made.traced.rays, made.seconds))
-            })
+            let computation = Computation::new(scene, *vertices, *up, spec)?;
+            computation.check_room(extension(origin) == "npz")?;
+            let made = computation.matrix(progress)?;
+            Ok((made.matrix, made.traced.rays, made.seconds))
         }
-        Origin::Field { world, shape, params } => kept(folder, origin, "npy", true, || {
+        Origin::Field { world, shape, params } => {
             let began = Instant::now();
             let world = worlds::load(world, Look::default(), Needs::Charts)?;
             let Some(object) = world.objects().iter().position(|o| o.name == *shape) else {
@@ -68,24 +62,39 @@ pub fn prepare(folder: &Path, origin: &Origin, progress: &dyn Progress) -> anyho
             };
             let field = light_field(&PathTracer::new(&world, PathParams::default())?, object, params, progress)?;
             Ok((field.matrix, field.tally.rays, began.elapsed().as_secs_f64()))
-        }),
+        }
+    }
+}
+
+/// Of the file in which a matrix is kept: a dense one keeps its form only in .npy, which does not carry the basis.
+fn extension(origin: &Origin) -> &'static str {
+    match origin {
+        Origin::Scene { spec, .. } if spec.signal == Signal::Biscale => "npz",
+        _ => "npy",
+    }
+}
+
+/// Finds the matrix of `origin` in `folder`, or computes and keeps it. Only scenes are kept; files are where they are.
+pub fn prepare(folder: &Path, origin: &Origin, progress: &dyn Progress) -> anyhow::Result<Prepared> {
+    match origin {
+        Origin::Matrix(path) => {
+            let matrix = files::read_matrix(path, &Description::default())?;
+            Ok(Prepared { about: About::of(&matrix, 0, 0.0), path: path.clone(), matrix: Some(matrix) })
+        }
+        // A mesh may change under its name; a built-in scene changes with the program.
+        Origin::Scene { vertices, .. } => kept(folder, origin, vertices.is_some(), progress),
+        Origin::Field { .. } => kept(folder, origin, true, progress),
     }
 }
 
 /// The matrix of `origin` in `folder`; computed, with the rays and seconds that took, and kept there where it is not.
-fn kept(
-    folder: &Path,
-    origin: &Origin,
-    extension: &str,
-    trusted: bool,
-    compute: impl FnOnce() -> anyhow::Result<(TransferMatrix, u64, f64)>,
-) -> anyhow::Result<Prepared> {
-    let path = folder.join(format!("{}.{extension}", file_name(origin)));
+fn kept(folder: &Path, origin: &Origin, trusted: bool, progress: &dyn Progress) -> anyhow::Result<Prepared> {
+    let path = folder.join(format!("{}.{}", file_name(origin), extension(origin)));
     let known = if trusted { About::read(&path) } else { None };
     if let Some(about) = known.filter(|_| path.exists()) {
         return Ok(Prepared { about, path, matrix: None });
     }
-    let (matrix, rays, seconds) = compute()?;
+    let (matrix, rays, seconds) = computed(origin, progress)?;
     let about = About::of(&matrix, rays, seconds);
     files::write_matrix(&path, &matrix)?;
     // Last, since it vouches for the matrix.
@@ -139,13 +148,13 @@ impl Prepared {
             None => {
                 let About { response_basis, basis, .. } = &self.about;
                 let description = Description { responses: Some(response_basis.parse()?), basis: Some(basis.parse()?) };
-                let matrix = files::read_matrix(&self.path, &description)?;
-                let found = fingerprint::matrix(&matrix);
+                let path = self.path.display();
+                let matrix = files::read_matrix(&self.path, &description)
+                    .with_context(|| format!("the matrix of an earlier run; delete {path} to compute it again"))?;
+                let (found, expected) = (fingerprint::matrix(&matrix), &self.about.fingerprint);
                 anyhow::ensure!(
-                    found == self.about.fingerprint,
-                    "{} is not the matrix that was written there (CRC-32 {found}, expected {}); delete it to compute it again",
-                    self.path.display(),
-                    self.about.fingerprint
+                    found == *expected,
+                    "{path} is not the matrix that was written there (CRC-32 {found}, expected {expected}); delete it to compute it again",
                 );
                 Ok(matrix)
             }

@@ -1,8 +1,12 @@
-//! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage.
+//! The command line: exit 0 done, 1 failed with one sentence, 2 wrong usage, 130 interrupted.
 
-use crate::{bench, coherence, decode, encode, figures, fit_light, info, interchange, light_field, list, precompute};
-use crate::{relight, render, select, stability, tables, terminal};
+use crate::{
+    bench, coherence, decode, encode, figures, fit_light, info, interchange, interrupt, light_field, list, number,
+};
+use crate::{precompute, relight, render, room, select, stability, tables, terminal};
+use anyhow::Context;
 use clap::{Parser, Subcommand};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Measures, compresses and relights precomputed radiance transfer.
@@ -18,6 +22,9 @@ struct Cli {
     /// Threads to work on [default: all]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Refuse what needs more memory than this, such as 8GB, matrix included [default: what the system has free]
+    #[arg(long, global = true, value_name = "BYTES", value_parser = number::parse_bytes)]
+    max_memory: Option<u64>,
 }
 
 #[derive(Subcommand, Debug)]
@@ -65,6 +72,10 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     match run(&cli) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if interrupt::is_cause_of(&error) => {
+            interrupt::tell(&error);
+            interrupt::EXIT_CODE.into()
+        }
         Err(error) => {
             // One line, whatever the causes brought with them.
             terminal::remark(format!("prt: {error:#}").replace('\n', " "));
@@ -74,21 +85,25 @@ pub fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
+    if let Some(bytes) = cli.max_memory {
+        room::limit(bytes);
+    }
+    interrupt::listen().context("cannot listen for Ctrl-C")?;
     let threads = cli.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()), usize::from);
     rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     match &cli.command {
         Command::Bench(arguments) => bench::run(arguments, threads),
-        Command::Precompute(arguments) => precompute::run(arguments),
+        Command::Precompute(arguments) => whole(&arguments.output, precompute::run(arguments)),
         Command::Select(arguments) => select::run(arguments, threads),
-        Command::Encode(arguments) => encode::run(arguments),
-        Command::Decode(arguments) => decode::run(arguments),
+        Command::Encode(arguments) => whole(&arguments.output, encode::run(arguments)),
+        Command::Decode(arguments) => whole(&arguments.output, decode::run(arguments)),
         Command::Export(arguments) => interchange::export(arguments),
         Command::Import(arguments) => interchange::import(arguments),
         Command::Relight(arguments) => relight::run(arguments),
         Command::FitLight(arguments) => fit_light::run(arguments),
         Command::Coherence(arguments) => coherence::run(arguments),
         Command::Slf(arguments) => light_field::run(arguments, threads),
-        Command::Render(arguments) => render::run(arguments),
+        Command::Render(arguments) => whole(&arguments.output, render::run(arguments)),
         Command::Info(arguments) => info::run(arguments),
         Command::Tables(arguments) => tables::run(arguments, threads),
         Command::Figures(arguments) => figures::run(arguments, threads),
@@ -96,6 +111,11 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Command::Scenes(arguments) => list::scenes(arguments),
         Command::Methods(arguments) => list::methods(arguments),
     }
+}
+
+/// The outcome of a command that writes one file, which an interruption leaves as it was.
+fn whole(output: &Path, outcome: anyhow::Result<()>) -> anyhow::Result<()> {
+    interrupt::keeping(outcome, || interrupt::whole(output))
 }
 
 #[cfg(test)]

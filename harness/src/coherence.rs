@@ -1,6 +1,7 @@
 //! `prt coherence`: the clusters of a compressed matrix, rearranged so that fewer triangles straddle them.
 
 use crate::files::{self, Description};
+use crate::interrupt::Unseen;
 use crate::precompute::count;
 use crate::registry::registry;
 use crate::scenes::{self, Up};
@@ -103,7 +104,7 @@ pub fn run(arguments: &Coherence) -> anyhow::Result<()> {
     let (result, as_stored) = store(&found)?;
     let error = squared_error(&as_stored, &matrix)?;
     if let Some(output) = &arguments.output {
-        files::write_prt(output, &result)?;
+        files::write_prt(output, &result, &Unseen)?;
     }
     let told = Told::new(&compressed.label().to_string(), &model, &found, error, (arguments.budget, members));
     if arguments.json { terminal::say_json(&told) } else { terminal::say(told.text()) }

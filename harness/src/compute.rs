@@ -2,9 +2,11 @@
 
 use crate::files;
 use crate::registry::registry;
+use crate::room;
 use crate::scenes::{self, Up};
 use crate::signal::{Signal, Spec};
 use glam::DVec3;
+use prt_transfer::footprint::by;
 use prt_transfer::mesh::Mesh;
 use prt_transfer::samples::square;
 use prt_transfer::scene::biscale::biscale;
@@ -91,6 +93,26 @@ impl<'a> Computation<'a> {
             LightBasis::Cubemap { resolution } => Sampling { resolution, ..usual },
             _ => usual,
         }
+    }
+
+    /// Refuses a matrix that does not fit into memory, with what writing it takes: into a `.npz` where `archived`.
+    pub fn check_room(&self, archived: bool) -> anyhow::Result<()> {
+        let (samples, texels) = (self.points() as u64, 6 * (self.sampling().resolution as u64).pow(2));
+        let needed = match self.dense()? {
+            Some(signal) => {
+                let shape = dense::shape(&*signal, self.points())?;
+                let cells = (shape.rows() as u64).saturating_mul(shape.lights as u64);
+                // What is archived is its non-zeros, in order, packed and put together: of texels about half.
+                let full = !matches!(signal.basis(), LightBasis::Cubemap { .. }) || self.spec.bounces > 0;
+                let written = if archived { by(if full { 20.0 } else { 10.0 }, cells) } else { 0 };
+                // Each bounce is a matrix made of another, and where every texel's ray of a sample ends.
+                let bounced = if self.spec.bounces > 0 { by(8.0, cells) + by(24.0, samples * texels) } else { 0 };
+                by(4.0, cells) + written.max(bounced)
+            }
+            // A sample sees about half of the texels.
+            None => by(7.0, samples * texels) + by(16.0, samples * (self.spec.local_directions as u64).pow(2)),
+        };
+        room::check(&format!("the matrix of {samples} points"), needed, room::SMALLER_MATRIX)
     }
 
     /// The matrix as a whole.

@@ -3,10 +3,11 @@
 use crate::files;
 use crate::progress::Bar;
 use crate::registry::registry;
+use crate::room;
 use clap::Args;
 use ndarray::{Array2, ArrayView1, ArrayViewMut2, s};
 use prt_transfer::matrix::Layout;
-use prt_transfer::{Compressed, Progress, Result, TransferMatrix};
+use prt_transfer::{Compressed, Extent, Progress, Result, TransferMatrix};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -25,6 +26,12 @@ pub struct Decode {
 /// Runs the command.
 pub fn run(arguments: &Decode) -> anyhow::Result<()> {
     let compressed = files::read_prt(&arguments.input, &registry())?;
+    let shape = compressed.shape();
+    if compressed.layout() != Layout::Sparse {
+        let extent = Extent { shape, non_zeros: 0, sparse: false };
+        let instead = "prt relight and prt render work on the compressed matrix";
+        room::check(&arguments.output.display().to_string(), extent.bytes(), instead)?;
+    }
     Ok(files::write_matrix(&arguments.output, &matrix(&compressed, &Bar::default())?)?)
 }
 

@@ -4,7 +4,7 @@ use crate::files::{self, Description};
 use crate::info::Info;
 use crate::progress::Bar;
 use crate::registry::{method, registry};
-use crate::{memory, number, terminal};
+use crate::{memory, number, room, terminal};
 use clap::Args;
 use prt_transfer::{LightBasis, ResponseBasis};
 use serde::Serialize;
@@ -65,6 +65,10 @@ pub fn run(arguments: &Encode) -> anyhow::Result<()> {
         None => arguments.basis.clone(),
     };
     let description = Description { responses: arguments.responses.clone(), basis: columns };
+    let outline = files::outline(&arguments.input, &description)?;
+    if let (Some((extent, basis)), None) = (outline, &of_lights) {
+        room::check_method(&method, &extent, &basis, extent.bytes())?;
+    }
     let matrix = files::read_matrix(&arguments.input, &description)?;
     let began = Instant::now();
     let (encoded, peak_encode_bytes) = memory::peak_of(|| match &of_lights {
@@ -72,9 +76,9 @@ pub fn run(arguments: &Encode) -> anyhow::Result<()> {
         None => method.encode(&matrix, &bar),
     });
     let encode_s = began.elapsed().as_secs_f64();
-    drop(bar);
     let encoded = encoded?;
-    let file = files::write_prt(&arguments.output, &encoded)?.file;
+    let file = files::write_prt(&arguments.output, &encoded, &bar)?.file;
+    drop(bar);
     if arguments.json {
         let info = Info::read(&arguments.output, &registry)?;
         return terminal::say_json(&Written { info, encode_s, peak_encode_bytes });

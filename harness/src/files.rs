@@ -1,10 +1,11 @@
 //! The one place where the program touches files of matrices, lights, compressed matrices and pictures.
 
+use crate::room;
 use ndarray::{Array2, ArrayView2};
 use prt_transfer::image::{Image, Picture};
 use prt_transfer::io::{atomic, image, matrix, npy, prt};
 use prt_transfer::matrix::Layout;
-use prt_transfer::{Compressed, Error, Registry, Result, Shape, TransferMatrix};
+use prt_transfer::{Compressed, Error, Extent, LightBasis, Progress, Registry, Result, Shape, TransferMatrix};
 use std::path::Path;
 
 pub use prt_transfer::io::matrix::Description;
@@ -25,8 +26,19 @@ pub fn expect_one_of(path: &Path, extensions: &[&'static str]) -> Result<&'stati
 }
 
 /// Reads a transfer matrix; the extension says which format.
-pub fn read_matrix(path: &Path, description: &Description) -> Result<TransferMatrix> {
-    matrix::read(path, description)
+///
+/// # Errors
+/// A file that cannot be read; a matrix that does not fit into memory, of which nothing is read.
+pub fn read_matrix(path: &Path, description: &Description) -> anyhow::Result<TransferMatrix> {
+    if let Some((extent, _)) = outline(path, description)? {
+        room::check(&path.display().to_string(), extent.bytes(), room::SMALLER_MATRIX)?;
+    }
+    Ok(matrix::read(path, description)?)
+}
+
+/// What [`read_matrix`] would read, told without reading its elements; `None` of a text.
+pub fn outline(path: &Path, description: &Description) -> Result<Option<(Extent, LightBasis)>> {
+    matrix::outline(path, description)
 }
 
 /// Writes a transfer matrix; the extension says which format.
@@ -35,8 +47,8 @@ pub fn write_matrix(path: &Path, matrix: &TransferMatrix) -> Result<()> {
 }
 
 /// Writes a compressed matrix.
-pub fn write_prt(path: &Path, compressed: &Compressed) -> Result<prt::Sizes> {
-    prt::write(path, compressed)
+pub fn write_prt(path: &Path, compressed: &Compressed, progress: &dyn Progress) -> Result<prt::Sizes> {
+    prt::write(path, compressed, progress)
 }
 
 /// Reads a compressed matrix.
@@ -45,8 +57,8 @@ pub fn read_prt(path: &Path, registry: &Registry) -> Result<Compressed> {
 }
 
 /// The file of a compressed matrix, in memory.
-pub fn prt_bytes(compressed: &Compressed) -> Result<Vec<u8>> {
-    prt::to_bytes(compressed)
+pub fn prt_bytes(compressed: &Compressed, progress: &dyn Progress) -> Result<Vec<u8>> {
+    prt::to_bytes(compressed, progress)
 }
 
 /// As [`read_prt`], from memory.

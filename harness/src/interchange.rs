@@ -1,6 +1,7 @@
 //! `prt export` and `prt import`: clustered principal components from and for programs that use D3DX.
 
 use crate::files::{self, Description};
+use crate::interrupt::Unseen;
 use crate::registry::registry;
 use crate::terminal;
 use clap::Args;
@@ -59,7 +60,7 @@ pub fn import(arguments: &Import) -> anyhow::Result<()> {
     let description = Description { responses: arguments.responses.clone(), basis: arguments.basis.clone() };
     let bytes = files::read_bytes(&arguments.input)?;
     let compressed = from_d3dx(&bytes, description, &registry()).map_err(|e| e.in_file(&arguments.input))?;
-    files::write_prt(&arguments.output, &compressed)?;
+    files::write_prt(&arguments.output, &compressed, &Unseen)?;
     terminal::say(format!("{}, {}, {}", compressed.label(), compressed.basis(), compressed.responses()))
 }
 

@@ -1,7 +1,7 @@
 //! `prt scenes` and `prt methods`: what there is.
 
 use crate::registry::registry;
-use crate::{lights, scenes, terminal, worlds};
+use crate::{lights, limits, number, scenes, terminal, worlds};
 use clap::Args;
 use prt_transfer::method::About;
 use prt_transfer::scene::brdf::Brdf;
@@ -19,9 +19,12 @@ pub struct Scenes {
 /// Arguments of `prt methods`.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "A label joins a light transform and a codec, each with the parameters that differ from their defaults:\n  haar+truncate:terms=64\n\nExample:\n  prt methods --json"
+    after_help = "A label joins a light transform and a codec, each with the parameters that differ from their defaults:\n  haar+truncate:terms=64\n\nExamples:\n  prt methods --json\n  prt methods --limits 16GB"
 )]
 pub struct Methods {
+    /// Tell instead how large a matrix each family of methods takes in so much memory, on the threads of --threads
+    #[arg(long, value_name = "BYTES", value_parser = number::parse_bytes)]
+    pub limits: Option<u64>,
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
@@ -49,6 +52,10 @@ pub fn scenes(arguments: &Scenes) -> anyhow::Result<()> {
 /// Runs `prt methods`.
 pub fn methods(arguments: &Methods) -> anyhow::Result<()> {
     let registry = registry();
+    if let Some(memory) = arguments.limits {
+        let limits = limits::of(&registry, memory)?;
+        return if arguments.json { terminal::say_json(&limits) } else { terminal::say(limits::text(&limits, memory)) };
+    }
     let (transforms, codecs) = (registry.transforms(), registry.codecs());
     if arguments.json {
         let list = |list: &[About]| list.iter().map(stage).collect::<Vec<_>>();

@@ -2,15 +2,16 @@
 
 use crate::error_sums::{self, Sums, relative};
 use crate::family;
+use crate::interrupt::{self, Unseen};
 use crate::lights::{self, LIGHTS, Light};
 use crate::pictures::{Portrait, SIZE, Turning, Viewpoint};
 use crate::row::{Row, Status};
 use crate::suite::{DENSE_LIMIT, Origin};
 use crate::timing::{Budget, Timing};
-use crate::{files, fingerprint, memory, number};
+use crate::{files, fingerprint, memory, number, room};
 use anyhow::{Context, ensure};
 use ndarray::{Array2, ArrayView2, s};
-use prt_transfer::{Compressed, Label, Metric, Progress, Quiet, Registry, TransferMatrix, linalg};
+use prt_transfer::{Compressed, Extent, Label, Metric, Progress, Registry, TransferMatrix, linalg};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -58,7 +59,9 @@ impl Pools {
         let pool = |n| ThreadPoolBuilder::new().num_threads(n).build();
         let pools = Pools { one: pool(1)?, all: pool(threads)? };
         // What a library keeps for each thread is no method's memory, least of all that of the first that runs.
+        let before = memory::held();
         pools.all.broadcast(|_| linalg::warm_up());
+        room::leave_out(memory::held().saturating_sub(before) as u64);
         Ok(pools)
     }
     /// Runs `work` on all threads.
@@ -90,7 +93,7 @@ impl Reference {
     /// With what errors of pictures and flicker take, where `origin` says what is seen.
     pub fn with_pictures(self, origin: &Origin) -> anyhow::Result<Reference> {
         let (matrix, light) = (&self.matrix, Light::named(LIGHTS[0])?);
-        let Some(viewpoint) = Viewpoint::of(origin, matrix.responses(), SIZE, &Quiet)? else { return Ok(self) };
+        let Some(viewpoint) = Viewpoint::of(origin, matrix.responses(), SIZE, &Unseen)? else { return Ok(self) };
         let turning = viewpoint.is_lit().then(|| Turning::new(matrix, &light, &self.metric)).transpose()?;
         let portrait = Portrait::taken(&viewpoint, matrix, light.on(matrix.basis(), 0.0)?)?;
         Ok(Reference { seen: Some((viewpoint, portrait)), turning, ..self })
@@ -133,22 +136,32 @@ impl Bench<'_> {
     }
 
     /// As [`Bench::measure`] by the method of `planned`; whatever goes wrong becomes the row's reason.
-    pub fn attempt(&self, planned: Row, reference: &Reference, path: &Path, progress: &dyn Progress) -> Row {
+    ///
+    /// # Errors
+    /// The user's wish to stop, which is no failure of the method.
+    pub fn attempt(
+        &self,
+        planned: Row,
+        reference: &Reference,
+        path: &Path,
+        progress: &dyn Progress,
+    ) -> anyhow::Result<Row> {
         let label: Label = match planned.method.parse() {
             Ok(label) => label,
-            Err(error) => return planned.failed(format!("{error}")),
+            Err(error) => return Ok(planned.failed(format!("{error}"))),
         };
         let cells = 4 * planned.samples as u64 * planned.responses as u64 * planned.lights as u64;
         if label.to_string() == "dense" && cells > DENSE_LIMIT {
             let [size, limit] = [cells, DENSE_LIMIT].map(number::bytes);
-            return planned.failed(format!("would need {size}, above the bench's limit of {limit}"));
+            return Ok(planned.failed(format!("would need {size}, above the bench's limit of {limit}")));
         }
         let measured =
             catch_unwind(AssertUnwindSafe(|| self.measure(planned.clone(), &label, reference, path, progress)));
         match measured {
-            Ok(Ok(row)) => row,
-            Ok(Err(error)) => planned.failed(format!("{error:#}")),
-            Err(_) => planned.failed("the method panicked: a mistake in the program"),
+            Ok(Err(error)) if interrupt::is_cause_of(&error) => Err(error),
+            Ok(Ok(row)) => Ok(row),
+            Ok(Err(error)) => Ok(planned.failed(format!("{error:#}"))),
+            Err(_) => Ok(planned.failed("the method panicked: a mistake in the program")),
         }
     }
 
@@ -162,6 +175,8 @@ impl Bench<'_> {
         progress: &dyn Progress,
     ) -> anyhow::Result<Row> {
         let method = self.registry.method(label)?;
+        let matrix = &reference.matrix;
+        self.pools.everywhere(|| room::check_method(&method, &Extent::of(matrix), matrix.basis(), 0))?;
         let encode = || self.pools.everywhere(|| method.encode(&reference.matrix, progress));
         let (mut encoded, mut times, mut peak_encode_bytes, began) = (None, Vec::new(), None, Instant::now());
         while times.is_empty() || (times.len() < ENCODE_RUNS && began.elapsed() < ENCODE_BUDGET) {
@@ -175,7 +190,7 @@ impl Bench<'_> {
         let encode = Timing::of(&mut times);
         let encode_spread_s = (encode.runs >= 3).then_some(encode.spread_ms / 1e3);
         let encoded = encoded.context("at least one run")?;
-        let sizes = files::write_prt(path, &encoded)?;
+        let sizes = files::write_prt(path, &encoded, progress)?;
         drop(encoded);
         let compressed = files::read_prt(path, self.registry)?;
         let encode_s = Some(encode.median_ms / 1e3);
@@ -263,6 +278,7 @@ mod tests {
     use super::*;
     use crate::registry::registry;
     use prt_transfer::LightBasis;
+    use prt_transfer::Quiet;
     use std::time::Duration;
 
     fn measured(matrix: TransferMatrix) -> Row {

@@ -25,6 +25,26 @@ pub fn count(count: u64) -> String {
     scaled(count, &["", "k", "M", "G", "T"], "")
 }
 
+/// Bytes as `200kB`, `1.5MB` or `4096`.
+pub fn parse_bytes(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let digits = text.find(|c: char| c.is_ascii_alphabetic() && !"eE".contains(c)).unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let scale = match unit.to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kb" => 1e3,
+        "m" | "mb" => 1e6,
+        "g" | "gb" => 1e9,
+        "t" | "tb" => 1e12,
+        _ => f64::NAN,
+    };
+    let count = number.trim().parse::<f64>().map_or(f64::NAN, |number| (number * scale).round());
+    match (1.0..1e18).contains(&count) {
+        true => Ok(count as u64),
+        false => Err("expected bytes, such as 200kB, 1.5MB or 4096".into()),
+    }
+}
+
 fn scaled(count: u64, units: &[&str], gap: &str) -> String {
     let mut value = count as f64;
     let mut unit = 0;
@@ -61,5 +81,16 @@ mod tests {
             assert_eq!(bytes(value), text);
         }
         assert_eq!(count(9_400_000), "9.40M");
+    }
+
+    #[test]
+    fn bytes_are_read_with_and_without_a_unit() {
+        for (text, count) in [("200kB", 200_000), ("1.5MB", 1_500_000), ("4096", 4096), ("2 GB", 2_000_000_000)] {
+            assert_eq!(parse_bytes(text), Ok(count), "{text}");
+        }
+        assert_eq!(parse_bytes("1e3"), Ok(1000));
+        for text in ["", "kB", "-3", "0", "5 apples", "nan", "1e30"] {
+            assert!(parse_bytes(text).is_err(), "{text}");
+        }
     }
 }

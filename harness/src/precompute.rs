@@ -162,6 +162,7 @@ fn computed(arguments: &Precompute, spec: &Spec, bar: &Bar) -> anyhow::Result<To
     {
         return Ok(Told::of(streamed));
     }
+    computation.check_room(files::expect_extension(output, "npz").is_ok())?;
     let Precomputed { matrix, repairs, traced, energies, seconds } = computation.matrix(bar)?;
     files::write_matrix(output, &matrix)?;
     let (shape, non_zeros) = (matrix.shape(), matrix.non_zeros());

@@ -1,5 +1,6 @@
-//! A progress bar on a terminal for anything that takes over a second; silence otherwise.
+//! A progress bar on a terminal for anything that takes over a second; silence otherwise. Ctrl-C stops what it shows.
 
+use crate::interrupt;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use prt_transfer::{Progress, Result};
 use std::sync::Mutex;
@@ -35,7 +36,7 @@ impl Progress for Bar {
             reveal(&current, self.began);
             current.inc(done);
         }
-        Ok(())
+        interrupt::check()
     }
 }
 

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{done, prt, refused};
+use common::{done, prt, refused, untimed};
 use prt_harness::files;
 use prt_transfer::image::Image;
 use serde_json::Value;
@@ -12,16 +12,6 @@ use std::time::{Duration, Instant};
 
 fn precompute(folder: &Path, signal: &str, file: &str) {
     done(&["precompute", "teapot", "--signal", signal, "--basis", "cubemap:8", "--vertices", "80", "-o", file], folder);
-}
-
-/// The rows of a run, without what a clock says.
-fn untimed(rows: &str) -> Vec<Value> {
-    let mut rows: Vec<Value> = serde_json::from_str(rows).unwrap();
-    for row in &mut rows {
-        let clock = |name: &String| name.ends_with("_ms") || name.ends_with("_s") || name == "runs";
-        row.as_object_mut().unwrap().retain(|name, _| !clock(name));
-    }
-    rows
 }
 
 #[test]

@@ -236,7 +236,7 @@ fn haar(params: SlfParams) -> SlfParams {
 fn file(params: SlfParams, matrix: &TransferMatrix) -> usize {
     let registry = Registry::new().transform::<Identity>().codec::<Slf>();
     let label = Label { transform: "identity".parse::<Label>().unwrap().codec, codec: params.to_stage() };
-    prt::to_bytes(&registry.method(&label).unwrap().encode(matrix, &Quiet).unwrap()).unwrap().len()
+    prt::to_bytes(&registry.method(&label).unwrap().encode(matrix, &Quiet).unwrap(), &Quiet).unwrap().len()
 }
 
 #[test]

@@ -8,7 +8,7 @@ use prt_tensor::EncodedCta;
 use prt_tests::*;
 use prt_transfer::io::prt;
 use prt_transfer::sections::Section;
-use prt_transfer::{Compressed, Label, Registry, Restore, Source, TransferMatrix};
+use prt_transfer::{Compressed, Label, Quiet, Registry, Restore, Source, TransferMatrix};
 use rand::RngExt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -19,7 +19,7 @@ fn for_every_method(mut law: impl FnMut(&Registry, &Label, &Case, &Compressed)) 
         let mut tried = 0;
         for case in cases() {
             if let Some((_, compressed)) = encode_where_defined(&registry, &label, &case) {
-                let reloaded = prt::from_bytes(&prt::to_bytes(&compressed).unwrap(), &registry)
+                let reloaded = prt::from_bytes(&prt::to_bytes(&compressed, &Quiet).unwrap(), &registry)
                     .unwrap_or_else(|e| panic!("{label} on {}: {e}", case.name));
                 law(&registry, &label, &case, &reloaded);
                 tried += 1;
@@ -77,10 +77,10 @@ fn rows_that_are_decoded_at_once_are_those_decoded_one_by_one() {
 #[test]
 fn saving_what_was_loaded_gives_the_same_bytes() {
     for_every_method(|registry, label, case, reloaded| {
-        let bytes = prt::to_bytes(reloaded).unwrap();
-        let again = prt::to_bytes(&prt::from_bytes(&bytes, registry).unwrap()).unwrap();
+        let bytes = prt::to_bytes(reloaded, &Quiet).unwrap();
+        let again = prt::to_bytes(&prt::from_bytes(&bytes, registry).unwrap(), &Quiet).unwrap();
         assert_eq!(bytes, again, "{label} on {}", case.name);
-        let first = prt::to_bytes(&encode(registry, label, &case.matrix).unwrap()).unwrap();
+        let first = prt::to_bytes(&encode(registry, label, &case.matrix).unwrap(), &Quiet).unwrap();
         assert_eq!(bytes, first, "{label} on {}", case.name);
     });
 }
@@ -88,7 +88,7 @@ fn saving_what_was_loaded_gives_the_same_bytes() {
 #[test]
 fn storage_is_what_the_writer_wrote() {
     for_every_method(|_, label, case, compressed| {
-        let bytes = prt::to_bytes(compressed).unwrap();
+        let bytes = prt::to_bytes(compressed, &Quiet).unwrap();
         let info = prt::inspect(&bytes).unwrap();
         let stored: u64 = info.sections.iter().map(|s| s.stored).sum();
         assert_eq!(info.sizes.header + stored, bytes.len() as u64, "{label} on {}", case.name);
@@ -101,12 +101,12 @@ fn storage_is_what_the_writer_wrote() {
 }
 
 #[test]
-fn one_and_two_threads_give_the_same_bytes() {
-    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    let (one, two) = (pool(1), pool(2));
+fn one_two_and_seven_threads_give_the_same_bytes() {
+    let [one, two, seven] = [1, 2, 7].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
     for_every_method(|registry, label, case, _| {
-        let bytes = || prt::to_bytes(&encode(registry, label, &case.matrix).unwrap()).unwrap();
-        assert_eq!(one.install(bytes), two.install(bytes), "{label} on {}", case.name);
+        let bytes = || prt::to_bytes(&encode(registry, label, &case.matrix).unwrap(), &Quiet).unwrap();
+        let of_one = one.install(bytes);
+        assert!(of_one == two.install(bytes) && of_one == seven.install(bytes), "{label} on {}", case.name);
     });
 }
 
@@ -358,7 +358,7 @@ fn use_all(compressed: &Compressed) {
         return; // damage that made a matrix larger is legal where the sections agree with it; using it all takes too long
     }
     decoded(compressed);
-    prt::to_bytes(compressed).unwrap();
+    prt::to_bytes(compressed, &Quiet).unwrap();
     let light = light(shape.lights, 3);
     compressed.apply_into(light.view(), Array2::zeros((shape.rows(), 3)).view_mut()).unwrap();
     compressed.flops(&light.column(0).to_vec()).unwrap();
@@ -368,7 +368,7 @@ fn use_all(compressed: &Compressed) {
 fn truncated_and_damaged_files_never_panic() {
     let mut rng = random(3);
     for_every_method(|registry, label, case, compressed| {
-        let bytes = prt::to_bytes(compressed).unwrap();
+        let bytes = prt::to_bytes(compressed, &Quiet).unwrap();
         // Large files take as long for one damage as small ones for many.
         let times = if bytes.len() > 1 << 14 { 6 } else { 64 };
         for length in (0..bytes.len()).step_by(1 + bytes.len() / times) {

@@ -2,11 +2,15 @@
 //! test allocates meanwhile.
 
 use prt_harness::memory::{Counting, held, peak_of};
+use prt_harness::registry::families::{Kind, families};
 use prt_harness::registry::registry;
+use prt_harness::signal::{Signal, Spec};
+use prt_harness::{compute, family};
 use prt_tests::*;
 use prt_transfer::io::prt;
-use prt_transfer::{LightBasis, TransferMatrix};
+use prt_transfer::{Extent, Footprint, LightBasis, Quiet, TransferMatrix, linalg};
 use rand::RngExt;
+use std::collections::HashSet;
 use std::hint::black_box;
 use std::sync::Mutex;
 
@@ -61,7 +65,7 @@ fn memory_held_after_loading_is_the_resident_size() {
     let dense = TransferMatrix::from_dense(values, 400, 1, basis).unwrap();
     for matrix in [sparse(&dense), dense] {
         for label in labels(&registry) {
-            let bytes = prt::to_bytes(&encode(&registry, &label, &matrix).unwrap()).unwrap();
+            let bytes = prt::to_bytes(&encode(&registry, &label, &matrix).unwrap(), &Quiet).unwrap();
             drop(prt::from_bytes(&bytes, &registry).unwrap()); // whatever is made once per process exists now
             let before = held();
             let reloaded = prt::from_bytes(&bytes, &registry).unwrap();
@@ -73,3 +77,62 @@ fn memory_held_after_loading_is_the_resident_size() {
         }
     }
 }
+
+/// What a method says it takes is no less than what it takes, and seldom more than twice that.
+#[test]
+fn what_compressing_takes_is_known_before_within_a_factor_of_two() {
+    let _alone = ALONE.lock();
+    rayon::broadcast(|_| linalg::warm_up());
+    linalg::warm_up();
+    settle();
+    let registry = registry();
+    let scene = |signal, resolution, vertices| {
+        let spec = Spec::new(signal, LightBasis::Cubemap { resolution });
+        compute::precompute("teapot", Some(vertices), &spec, &Quiet).unwrap().matrix
+    };
+    let (diffuse, biscale) = (scene(Signal::Diffuse, 16, 1500), scene(Signal::Biscale, 32, 600));
+    let (mut wrong, mut checked) = (Vec::new(), HashSet::new());
+    let of_codecs = registry.codecs().into_iter().map(|codec| codec.name.to_string());
+    let labels: Vec<String> = of_codecs.chain(FURTHER.map(String::from)).collect();
+    for (signal, matrix) in [("diffuse", &diffuse), ("biscale", &biscale)] {
+        let families = families(&registry, Kind::of_matrix(matrix));
+        let of_family = |label: &str| families.iter().any(|f| family::of(label) == family::of(f.base));
+        // To a codec of light fields any dense matrix is one.
+        let fits = |label: &&String| of_family(label) || (label.as_str() == "slf" && !matrix.is_sparse());
+        for label in labels.iter().filter(fits) {
+            let method = registry.method(&label.parse().unwrap()).unwrap();
+            let told = method.footprint(&Extent::of(matrix), matrix.basis()).unwrap();
+            let Footprint { peak: told, result } = told.unwrap_or_else(|| panic!("{label} says nothing"));
+            settle();
+            let (encoded, peak) = peak_of(|| method.encode(matrix, &Quiet).unwrap());
+            let (peak, resident) = (peak.unwrap(), encoded.resident_bytes() as u64);
+            checked.insert(label.split('+').next_back().and_then(|codec| codec.split(':').next()).unwrap().to_string());
+            // Threads keep what they worked with.
+            if peak > told + SLACK || told > 2 * peak + 2 * SLACK || resident > result + SLACK {
+                wrong.push(format!("{label} on {signal}: {peak} held, {told} told; result {resident}, {result} told"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(registry.codecs().iter().all(|codec| checked.contains(codec.name)), "{checked:?}");
+}
+
+/// Methods whose parameters decide what they take.
+const FURTHER: [&str; 14] = [
+    "haar+truncate",
+    "truncate:max_error=0.01",
+    "truncate:terms=0",
+    "bicluster:max_error=0.01",
+    "sh+dense",
+    "srbf+f16",
+    "pca:components=32",
+    "pca:max_error=1e-2",
+    "cpca:clusters=16",
+    "cpca:clusters=16:mode=iterative",
+    "tucker:max_error=0.01",
+    "tucker:mode=randomised",
+    "cta:clusters=16",
+    "srbf+cta:clusters=16",
+];
+/// Bytes that say nothing of a method.
+const SLACK: u64 = 6_000_000;

@@ -135,7 +135,7 @@ fn mtx() {
 fn prt() {
     let _alone = alone();
     let method = registry().method(&"csr".parse().unwrap()).unwrap();
-    let file = prt::to_bytes(&method.encode(&matrix(), &Quiet).unwrap()).unwrap();
+    let file = prt::to_bytes(&method.encode(&matrix(), &Quiet).unwrap(), &Quiet).unwrap();
     torture(&file, MIB, never, |bytes| prt::from_bytes(bytes, &registry()));
     torture(include_bytes!("golden/csr-1.prt"), 4 * MIB, never, |bytes| prt::from_bytes(bytes, &registry()));
 }

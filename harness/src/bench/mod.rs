@@ -22,7 +22,7 @@ use crate::stability::{self, atlas::Atlas};
 use crate::suite::{Size, Subject, Suite, Wishes};
 use crate::timing::Budget;
 use crate::verify::Verify;
-use crate::{files, labels, registry, report, scenes, table, terminal, worlds};
+use crate::{files, interrupt, labels, registry, report, scenes, table, terminal, worlds};
 use anyhow::ensure;
 use clap::Args;
 use prt_transfer::{Error, Registry};
@@ -104,6 +104,7 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
         out: &out,
         results: Results::open(out.join("results.csv"))?,
         steps: Steps::new(suite.rows()),
+        finished: 0,
         forecast: Forecast::new(
             suite.subjects.iter().flat_map(|subject| subject.guesses(!arguments.no_pictures)).collect(),
         ),
@@ -113,7 +114,8 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
     };
     let (mut groups, mut selections, families) = (Vec::new(), selections::read(&out)?, suite.families());
     for Subject { origin, methods } in &suite.subjects {
-        let (group, selection) = run.group(origin, methods)?;
+        let group = run.group(origin, methods);
+        let (group, selection) = interrupt::keeping(group, || kept(&run, &suite))?;
         if !arguments.json {
             run.steps.suspend(|| terminal::say(table::of(&group)))?;
         }
@@ -154,6 +156,12 @@ fn atlas(arguments: &Bench, out: &Path, machine: &Machine, run: &Run) -> anyhow:
     }
     run.steps.show("where methods fail");
     stability::atlas::run::whole(out, machine, run.measure.pools, &run.steps).map(Some)
+}
+
+/// What an interruption leaves.
+fn kept(run: &Run, suite: &Suite) -> String {
+    let (finished, all, out) = (run.finished, suite.rows(), run.out.display());
+    format!("{finished} of {all} rows are in {out}; the same command goes on from there")
 }
 
 /// The lights of the pictures, read before anything is measured.

@@ -5,6 +5,7 @@ use super::{Group, matched, title_of};
 use crate::cache::{self, Prepared};
 use crate::files;
 use crate::forecast::Forecast;
+use crate::interrupt::{self, Unseen};
 use crate::lights::Light;
 use crate::measure::{Bench as Measure, Pools, Reference};
 use crate::pictures::{Candidate, Gallery, Pictures};
@@ -14,7 +15,7 @@ use crate::results::Results;
 use crate::row::Row;
 use crate::suite::Origin;
 use anyhow::Context;
-use prt_transfer::{LightBasis, Quiet};
+use prt_transfer::LightBasis;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -24,6 +25,8 @@ pub(super) struct Run<'a> {
     pub(super) out: &'a Path,
     pub(super) results: Results,
     pub(super) steps: Steps,
+    /// Rows that are in results.csv.
+    pub(super) finished: usize,
     pub(super) forecast: Forecast,
     /// Whether methods are the user's.
     pub(super) given: bool,
@@ -57,7 +60,7 @@ impl Run<'_> {
         self.steps.show(&format!("{} {}", subject.scene, subject.signal));
         self.steps.expect(self.forecast.left());
         let began = Instant::now();
-        let (rows, (pictures, selection)) = match cache::prepare(&cache::folder(self.out)?, origin, &Quiet) {
+        let (rows, (pictures, selection)) = match cache::prepare(&cache::folder(self.out)?, origin, &Unseen) {
             Ok(prepared) => {
                 let subject = prepared.about().describe(subject);
                 let mut lazily = Lazily { origin, prepared: Some(prepared), reference: None };
@@ -68,10 +71,12 @@ impl Run<'_> {
                 };
                 (rows, (pictures, selection))
             }
+            Err(error) if interrupt::is_cause_of(&error) => return Err(error),
             Err(error) => {
                 let failed = |m: &String| self.measure.planned(&subject, m).failed(format!("{error:#}"));
                 let rows: Vec<Row> = methods.iter().map(failed).collect();
                 rows.iter().try_for_each(|row| self.results.put(row.clone()))?;
+                self.finished += rows.len();
                 self.steps.done(rows.len());
                 self.forecast.skip(rows.len() + usize::from(self.shown));
                 (rows, (Vec::new(), None))
@@ -91,22 +96,26 @@ impl Run<'_> {
     ) -> anyhow::Result<Vec<Row>> {
         let mut rows = Vec::new();
         for method in methods {
+            interrupt::check()?;
             let planned = self.measure.planned(subject, method);
-            let row = match self.results.finished(&planned) {
+            let path = self.encoded(name, method)?;
+            // Pictures and verification read the file of a row.
+            let is_there = |row: &&Row| path.metadata().ok().map(|file| file.len()) == row.file_bytes;
+            let row = match self.results.finished(&planned).filter(is_there) {
                 Some(row) => {
                     self.forecast.skip(1);
                     row.clone()
                 }
                 None => {
                     self.steps.show(&format!("{} {} {method}", planned.scene, planned.signal));
-                    let path = self.encoded(name, method)?;
-                    let row = self.measure.attempt(planned, lazily.reference(self.measure.pools)?, &path, &Quiet);
+                    let row = self.measure.attempt(planned, lazily.reference(self.measure.pools)?, &path, &Unseen)?;
                     self.results.put(row.clone())?;
                     self.forecast.took(began.elapsed());
                     row
                 }
             };
             began = Instant::now();
+            self.finished += 1;
             self.steps.done(1);
             self.steps.expect(self.forecast.left());
             rows.push(row);
@@ -166,7 +175,7 @@ impl Run<'_> {
         let reference = lazily.reference(pools)?;
         let folder = cache::make(self.out.join("pictures"))?;
         let pictures = pools.everywhere(|| {
-            let Some(gallery) = Gallery::new(origin, reference.matrix(), &Quiet)? else { return Ok(Vec::new()) };
+            let Some(gallery) = Gallery::new(origin, reference.matrix(), &Unseen)? else { return Ok(Vec::new()) };
             let under = |(light, read): &(String, Light)| -> anyhow::Result<Pictures> {
                 let pictures = gallery.under(light, read, budget, &candidates)?;
                 pictures.write(&folder, name)?;

@@ -19,7 +19,7 @@ use crate::machine::Machine;
 use crate::measure::{Bench, Pools};
 use crate::tables::beside::Beside;
 use crate::timing::Budget;
-use crate::{cache, files, registry, terminal};
+use crate::{cache, files, interrupt, registry, terminal};
 use anyhow::ensure;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -143,8 +143,10 @@ pub fn measure(request: &Request, mut told: impl FnMut(&Drawing) -> String) -> a
     let mut stage = Stage::new(bench, machine, meshes);
     stage.chosen = chosen.clone();
     let mut measured = false;
-    for figure in figures {
-        let drawing = (figure.draw)(&stage)?;
+    let names: Vec<&str> = figures.iter().map(|figure| figure.name).collect();
+    for (finished, figure) in figures.iter().enumerate() {
+        let drawing = (figure.draw)(&stage);
+        let drawing = interrupt::keeping(drawing, || interrupt::parts(&names, finished, "figures", &out))?;
         write(figure, &drawing, &out, &stage.machine)?;
         stage.steps.suspend(|| terminal::say(told(&drawing)))?;
         measured |= drawing.measured || drawing.beside.iter().any(Beside::is_measured);

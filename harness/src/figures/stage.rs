@@ -5,13 +5,14 @@ use super::setting::Curve;
 use crate::cache::About;
 use crate::compare::compare;
 use crate::compute::Computation;
+use crate::interrupt::Unseen;
 use crate::machine::Machine;
 use crate::measure::{Bench, Reference};
 use crate::progress::Steps;
 use crate::row::Row;
 use crate::scenes::Up;
 use crate::signal::Spec;
-use prt_transfer::{Quiet, TransferMatrix};
+use prt_transfer::TransferMatrix;
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -101,7 +102,7 @@ impl<'a> Stage<'a> {
     /// A signal of a scene as [`Computation::new`] takes it; forgotten with the subject.
     pub fn computed(&self, (scene, vertices, up): (String, Option<usize>, Up), spec: &Spec) -> anyhow::Result<Subject> {
         self.steps.show(&scene);
-        let made = Computation::new(&scene, vertices, up, spec)?.matrix(&Quiet)?;
+        let made = Computation::new(&scene, vertices, up, spec)?.matrix(&Unseen)?;
         self.given(&scene, spec, made.matrix)
     }
 

@@ -72,7 +72,7 @@ pub fn compressed(
     let began = Instant::now();
     let (encoded, peak_encode_bytes) = memory::peak_of(|| method.encode(matrix, progress));
     let (encoded, encode_s) = (encoded?, began.elapsed().as_secs_f64());
-    let (note, file_bytes) = (encoded.note(), files::write_prt(path, &encoded)?.file);
+    let (note, file_bytes) = (encoded.note(), files::write_prt(path, &encoded, progress)?.file);
     drop(encoded);
     let read = files::read_prt(path, registry)?;
     let metric = Metric::of(matrix)?;

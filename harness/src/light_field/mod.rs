@@ -7,11 +7,11 @@ mod fields;
 mod shape;
 mod table;
 
-use crate::files;
 use crate::progress::Bar;
 use crate::registry::registry;
 use crate::worlds::{self, Look, Needs};
 use crate::{cache, machine::Machine, terminal};
+use crate::{files, interrupt};
 use anyhow::{bail, ensure};
 use arguments::of_shape;
 pub use arguments::{LightField, LookArguments, Paths};
@@ -47,9 +47,11 @@ pub fn run(arguments: &LightField, threads: usize) -> anyhow::Result<()> {
     let tracer = PathTracer::new(&world, arguments.paths.params())?;
     let bar = Bar::default();
     let mut shapes = Vec::new();
+    let names: Vec<&str> = chosen.iter().map(|&i| world.objects()[i].name.as_str()).collect();
     for (&object, settings) in chosen.iter().zip(&settings) {
         let keep = arguments.keep.then(|| folder.join(format!("{}.npy", world.objects()[object].name)));
-        let (shape, matrix) = made(&tracer, object, settings, &registry, &folder, &bar)?;
+        let made = made(&tracer, object, settings, &registry, &folder, &bar);
+        let (shape, matrix) = interrupt::keeping(made, || interrupt::parts(&names, shapes.len(), "shapes", &folder))?;
         if let Some(path) = keep {
             files::write_matrix(&path, &matrix)?;
         }

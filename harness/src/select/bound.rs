@@ -160,25 +160,6 @@ fn short(value: f64) -> String {
     if (1e-2..1e5).contains(&value) { value.to_string() } else { format!("{value:e}") }
 }
 
-/// Bytes as `200kB`, `1.5MB` or `4096`.
-pub(super) fn bytes(text: &str) -> Result<u64, String> {
-    let text = text.trim();
-    let digits = text.find(|c: char| c.is_ascii_alphabetic() && !"eE".contains(c)).unwrap_or(text.len());
-    let (number, unit) = text.split_at(digits);
-    let scale = match unit.to_ascii_lowercase().as_str() {
-        "" | "b" => 1.0,
-        "k" | "kb" => 1e3,
-        "m" | "mb" => 1e6,
-        "g" | "gb" => 1e9,
-        _ => f64::NAN,
-    };
-    let count = number.trim().parse::<f64>().map_or(f64::NAN, |number| (number * scale).round());
-    match (1.0..1e18).contains(&count) {
-        true => Ok(count as u64),
-        false => Err("expected bytes, such as 200kB, 1.5MB or 4096".into()),
-    }
-}
-
 /// A number above 0.
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -190,17 +171,6 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn bytes_are_read_with_and_without_a_unit() {
-        for (text, count) in [("200kB", 200_000), ("1.5MB", 1_500_000), ("4096", 4096), ("2 GB", 2_000_000_000)] {
-            assert_eq!(bytes(text), Ok(count), "{text}");
-        }
-        assert_eq!(bytes("1e3"), Ok(1000));
-        for text in ["", "kB", "-3", "0", "5 apples", "nan", "1e30"] {
-            assert!(bytes(text).is_err(), "{text}");
-        }
-    }
 
     #[test]
     fn a_model_that_keeps_the_bound_is_better_than_any_other_and_then_the_cheaper_one() {

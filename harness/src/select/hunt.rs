@@ -107,6 +107,10 @@ impl<'a, 'b> Hunt<'a, 'b> {
             return None;
         }
         let (attempt, file) = self.trials.attempt(label);
+        if self.trials.is_stopped() {
+            self.left = 0;
+            return None;
+        }
         let entry = Entry { point, attempt };
         let name = entry.trial().map_or_else(|| label.to_string(), |trial| trial.label.clone());
         // A label that was tried by another way is no encode.

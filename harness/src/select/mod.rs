@@ -35,7 +35,7 @@ use crate::registry::registry;
 use crate::scenes::Up;
 use crate::signal::Signal;
 use crate::timing::Budget;
-use crate::{cache, files, terminal};
+use crate::{cache, files, interrupt, terminal};
 use anyhow::{Result, bail};
 use clap::{ArgGroup, Args};
 use prt_transfer::{Label, LightBasis, Registry, ResponseBasis};
@@ -58,7 +58,7 @@ pub struct Select {
     #[arg(long, value_name = "E", group = "bound", value_parser = bound::positive)]
     pub max_error: Option<f64>,
     /// Take at most so many bytes, with the least error: 200kB, 1.5MB, 4096
-    #[arg(long, value_name = "BYTES", group = "bound", value_parser = bound::bytes)]
+    #[arg(long, value_name = "BYTES", group = "bound", value_parser = crate::number::parse_bytes)]
     pub max_bytes: Option<u64>,
     /// Relight one channel on one thread in at most so many ms, with the least error; a time is measured, and not the same twice
     #[arg(long, value_name = "MS", group = "bound", value_parser = bound::positive)]
@@ -112,6 +112,13 @@ pub type Candidate = (Family, Label);
 
 /// Runs the command.
 pub fn run(arguments: &Select, threads: usize) -> Result<()> {
+    interrupt::keeping(selected(arguments, threads), || match &arguments.out {
+        Some(folder) => format!("what was tried is in {}; the same command goes on from there", folder.display()),
+        None => "nothing is kept; with --out DIR the same command goes on where it was".into(),
+    })
+}
+
+fn selected(arguments: &Select, threads: usize) -> Result<()> {
     if let Some(output) = &arguments.output {
         files::expect_extension(output, "prt")?;
     }
@@ -134,6 +141,7 @@ pub fn run(arguments: &Select, threads: usize) -> Result<()> {
     let (mut rows, mut best) = (Vec::new(), None::<Found>);
     let steps = Steps::new(candidates.len());
     for candidate in &candidates {
+        interrupt::check()?;
         let (row, found) = of_family(&mut search, candidate, arguments, &steps)?;
         rows.push(row);
         let better = |found: &Found| best.as_ref().is_none_or(|b| goal.order(&found.trial, &b.trial).is_lt());

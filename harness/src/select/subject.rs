@@ -17,11 +17,8 @@ pub(super) fn read(arguments: &Select, progress: &dyn Progress) -> Result<(Strin
             let description = Description { responses: arguments.responses.clone(), basis: arguments.basis.clone() };
             files::read_matrix(path, &description)?
         }
-        _ => {
-            // Nothing is kept: a matrix that is wanted twice is a file.
-            let folder = tempfile::tempdir()?;
-            cache::prepare(folder.path(), &origin, progress)?.into_matrix()?
-        }
+        // Nothing is kept: a matrix that is wanted twice is a file.
+        _ => cache::computed(&origin, progress)?.0,
     };
     let (subject, shape) = (cache::subject(&origin), matrix.shape());
     let signal = if subject.signal == "file" { String::new() } else { format!(" · {}", subject.signal) };

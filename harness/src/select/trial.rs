@@ -3,12 +3,13 @@
 use super::ledger::Ledger;
 use super::projection::Projection;
 use crate::fingerprint;
+use crate::interrupt::{self, Unseen};
 use crate::measure::{Bench, Reference};
 use crate::suite::DENSE_LIMIT;
-use crate::{files, number};
+use crate::{files, number, room};
 use anyhow::{Context, Result, bail, ensure};
 use prt_transfer::method::Transformed;
-use prt_transfer::{Compressed, Label, Quiet, Registry};
+use prt_transfer::{Compressed, Extent, Label, Registry};
 use std::collections::HashMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -61,8 +62,8 @@ pub(super) struct Trials<'a> {
     timed: bool,
     known: HashMap<String, Attempt>,
     ledger: Option<Ledger>,
-    /// Why a trial could not be kept.
-    unkept: Option<anyhow::Error>,
+    /// Why no more can be tried: a trial could not be kept, or the user wants no more.
+    stopped: Option<anyhow::Error>,
     transformed: HashMap<String, Arc<Shared>>,
 }
 
@@ -84,7 +85,7 @@ impl<'a> Trials<'a> {
             timed,
             known: HashMap::new(),
             ledger: None,
-            unkept: None,
+            stopped: None,
             transformed: HashMap::new(),
         }
     }
@@ -97,9 +98,14 @@ impl<'a> Trials<'a> {
         Ok(())
     }
 
-    /// Fails where a trial could not be kept.
+    /// Whether nothing more will be tried; [`Trials::kept`] says why.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stopped.is_some()
+    }
+
+    /// Fails where a trial could not be kept, or where the user has asked to stop.
     pub(super) fn kept(&mut self) -> Result<()> {
-        self.unkept.take().map_or(Ok(()), Err)
+        self.stopped.take().map_or(Ok(()), Err)
     }
 
     /// Whether relighting is timed from now on; what was tried without is forgotten then.
@@ -128,13 +134,18 @@ impl<'a> Trials<'a> {
         let tried = catch_unwind(AssertUnwindSafe(|| self.attempted(label)));
         let (attempt, file) = match tried {
             Ok(Ok((trial, file))) => (Attempt::Tried(trial), Some(file)),
+            Ok(Err(error)) if interrupt::is_cause_of(&error) => {
+                // Nothing was learnt of the label, and nothing is kept of it.
+                self.stopped = Some(error);
+                return (Attempt::Failed("interrupted".into()), None);
+            }
             Ok(Err(error)) => (Attempt::Failed(format!("{error:#}")), None),
             Err(_) => (Attempt::Failed("the method panicked: a mistake in the program".into()), None),
         };
         if let Some(ledger) = &mut self.ledger
-            && self.unkept.is_none()
+            && self.stopped.is_none()
         {
-            self.unkept = ledger.add(&name, &attempt).err();
+            self.stopped = ledger.add(&name, &attempt).err();
         }
         self.known.insert(name, attempt.clone());
         (attempt, file)
@@ -160,10 +171,11 @@ impl<'a> Trials<'a> {
             bail!("would need {}, above the limit of {}", number::bytes(cells), number::bytes(DENSE_LIMIT));
         }
         let method = self.bench.registry.method(label)?;
+        self.bench.pools.everywhere(|| room::check_method(&method, &Extent::of(matrix), matrix.basis(), 0))?;
         let shared = self.shared(method.label())?;
         let (compressed, file, (error, error_sphere)) = self.bench.pools.everywhere(|| -> Result<_> {
-            let compressed = method.encode_transformed(matrix, &shared.transformed, &Quiet)?;
-            let file = files::prt_bytes(&compressed)?;
+            let compressed = method.encode_transformed(matrix, &shared.transformed, &Unseen)?;
+            let file = files::prt_bytes(&compressed, &Unseen)?;
             let error = match &shared.projection {
                 Some(projection) => projection.error_of(&compressed, self.reference),
                 None => self.reference.error_of(&compressed),
@@ -197,7 +209,7 @@ impl<'a> Trials<'a> {
         }
         let matrix = self.reference.matrix();
         let shared = self.bench.pools.everywhere(|| -> Result<Shared> {
-            let transformed = self.bench.registry.method(label)?.transformed(matrix, &Quiet)?;
+            let transformed = self.bench.registry.method(label)?.transformed(matrix, &Unseen)?;
             let projection = Projection::worthwhile(&transformed, self.reference);
             Ok(Shared { transformed, projection })
         })?;

@@ -15,18 +15,19 @@ pub mod vertices;
 
 use crate::cache::About;
 use crate::compare::compare;
+use crate::interrupt::Unseen;
 use crate::labels::BASELINE;
 use crate::machine::Machine;
 use crate::measure::{Bench, Pools, Reference};
 use crate::progress::Steps;
 use crate::row::Row;
 use crate::timing::Budget;
-use crate::{cache, compute, files, labels, number, registry, terminal};
+use crate::{cache, compute, files, interrupt, labels, number, registry, terminal};
 use anyhow::ensure;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use outcome::Outcome;
-use prt_transfer::{Error, Quiet, Result, TransferMatrix};
+use prt_transfer::{Error, Result, TransferMatrix};
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -88,14 +89,16 @@ pub fn run(arguments: &Stability, threads: usize) -> anyhow::Result<()> {
         study.scene,
         Some(arguments.vertices.unwrap_or(VERTICES) as usize),
         &(study.spec)(),
-        &Quiet,
+        &Unseen,
     )?
     .matrix;
     let steps = Steps::new(sweeps.iter().map(|sweep| (sweep.values)(&base).len()).sum::<usize>() * methods.len());
     let subject = subject(study, &base);
     let mut measured = false;
-    for sweep in sweeps {
-        let outcomes = outcomes(&bench, sweep, &base, &methods, &steps)?;
+    let names: Vec<&str> = sweeps.iter().map(|sweep| sweep.name).collect();
+    for (finished, sweep) in sweeps.iter().enumerate() {
+        let outcomes = outcomes(&bench, sweep, &base, &methods, &steps);
+        let outcomes = interrupt::keeping(outcomes, || interrupt::parts(&names, finished, "sweeps", &out))?;
         let path = |extension| out.join(format!("{}.{extension}", sweep.name));
         let chart = outcome::panels(sweep, &subject, &outcomes, &methods);
         files::write_beside(&path("csv"), &outcome::csv(sweep, &outcomes, &machine)?)?;
@@ -155,6 +158,7 @@ pub fn outcomes(
 ) -> anyhow::Result<Vec<Outcome>> {
     let mut outcomes = Vec::new();
     for value in (sweep.values)(base) {
+        interrupt::check()?;
         let matrix = (sweep.matrix)(base, value)?;
         let (about, distinct) = (About::of(&matrix, 0, 0.0), distinct(&matrix));
         let reference = bench.pools.everywhere(|| Reference::new(matrix))?;

@@ -9,6 +9,7 @@ use crate::compute;
 use crate::fingerprint;
 use crate::signal::{Signal, Spec};
 use prt_transfer::LightBasis;
+use prt_transfer::Quiet;
 
 fn base() -> TransferMatrix {
     let spec = Spec { local_directions: 4, ..Spec::new(Signal::Biscale, LightBasis::Cubemap { resolution: 16 }) };

@@ -1,8 +1,8 @@
 //! The decoder, which is a part of this program's text, and the Python that runs it.
 
 use super::plan::Work;
-use crate::files;
 use crate::lights::{self, LIGHTS};
+use crate::{files, interrupt};
 use anyhow::{Context, bail};
 use prt_transfer::LightBasis;
 use serde::{Deserialize, Serialize};
@@ -80,11 +80,14 @@ pub(super) fn run(
     let answers = child.stdout.take().context("a pipe from decode.py")?;
     for line in BufReader::new(answers).lines() {
         let line = line.context("cannot read what decode.py says")?;
+        interrupt::check()?;
         take(serde_json::from_str(&line).with_context(|| format!("decode.py said '{line}'"))?)?;
     }
     if child.wait()?.success() {
         return Ok(());
     }
+    // Ctrl-C reaches every process of a terminal.
+    interrupt::check()?;
     let said = std::fs::read_to_string(&errors).unwrap_or_default();
     bail!("{}: {}", python.display(), said.lines().last().unwrap_or("decode.py failed without a word"))
 }

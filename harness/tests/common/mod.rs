@@ -1,6 +1,7 @@
 //! How tests run the program.
 
 use prt_harness::files::read_lights;
+use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -34,4 +35,15 @@ pub(crate) fn refused(code: i32, arguments: &[&str], folder: &Path) -> String {
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
     assert_eq!(output.stdout, b"", "{arguments:?}");
     errors
+}
+
+#[allow(dead_code, reason = "each file of tests is a crate of its own, and not all read rows")]
+/// The rows of a run, without what a clock says.
+pub(crate) fn untimed(rows: &str) -> Vec<Value> {
+    let mut rows: Vec<Value> = serde_json::from_str(rows).unwrap();
+    for row in &mut rows {
+        let clock = |name: &String| name.ends_with("_ms") || name.ends_with("_s") || name == "runs";
+        row.as_object_mut().unwrap().retain(|name, _| !clock(name));
+    }
+    rows
 }

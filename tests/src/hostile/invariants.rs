@@ -13,7 +13,7 @@ use prt_transfer::io::image::{Precision, exr_bytes, read_exr};
 use prt_transfer::io::matrix::Description;
 use prt_transfer::io::{npz, prt};
 use prt_transfer::mesh::Mesh;
-use prt_transfer::{Compressed, TransferMatrix};
+use prt_transfer::{Compressed, Quiet, TransferMatrix};
 use std::io::Cursor;
 
 /// Panics where something that was read breaks an invariant.
@@ -136,9 +136,9 @@ pub(super) fn results(rows: Vec<Row>) -> Check {
 /// As [`compressed`], and the file of what was read reads back to the same file.
 pub(super) fn container(compressed: Compressed) -> Check {
     Box::new(move || {
-        let bytes = prt::to_bytes(&compressed).expect("what was read can be written");
+        let bytes = prt::to_bytes(&compressed, &Quiet).expect("what was read can be written");
         let again = prt::from_bytes(&bytes, &REGISTRY).expect("what was written");
-        assert!(prt::to_bytes(&again).expect("what was read can be written") == bytes);
+        assert!(prt::to_bytes(&again, &Quiet).expect("what was read can be written") == bytes);
         check_compressed(&compressed);
     })
 }

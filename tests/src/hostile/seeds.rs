@@ -12,7 +12,7 @@ use prt_harness::row::Row;
 use prt_transfer::image::Image;
 use prt_transfer::io::image::{Precision, exr_bytes};
 use prt_transfer::io::{npz as npz_files, prt};
-use prt_transfer::{Label, LightBasis, Shape, TransferMatrix};
+use prt_transfer::{Label, LightBasis, Quiet, Shape, TransferMatrix};
 use std::io::{Cursor, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
@@ -274,7 +274,7 @@ pub(super) fn container() -> Vec<Vec<u8>> {
     for label in labels(&REGISTRY).iter().filter(|l| l.codec.params.is_empty() && l.transform.params.is_empty()) {
         for case in &cases {
             if let Some((_, compressed)) = encode_where_defined(&REGISTRY, label, case) {
-                files.push(prt::to_bytes(&compressed).expect("what was encoded can be written"));
+                files.push(prt::to_bytes(&compressed, &Quiet).expect("what was encoded can be written"));
             }
         }
     }

@@ -2,12 +2,20 @@
 //!
 //! A full disk, an error or a killed process leaves the old file as it was. What is not a regular file (a device, a pipe)
 //! cannot be replaced and is written in place; a symbolic link stays, and the file it points at is replaced.
+//!
+//! Whoever writes holds a lock on the file beside. One without a lock belongs to a process that was killed, and the next file that is
+//! written into the folder takes it away.
 
 use crate::error::{Error, Result};
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
+
+/// What names of files beside begin with …
+const PREFIX: &str = ".prt-";
+/// … and end with.
+const SUFFIX: &str = ".part";
 
 /// A file that takes its place only at [`AtomicFile::commit`]; dropped before that, it leaves nothing.
 pub struct AtomicFile {
@@ -23,13 +31,14 @@ enum Target {
 impl Write for Target {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Target::Beside(file) => file.write(bytes),
+            // Not by way of the wrapper, whose errors name the file beside.
+            Target::Beside(file) => file.as_file_mut().write(bytes),
             Target::InPlace(file) => file.write(bytes),
         }
     }
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Target::Beside(file) => file.flush(),
+            Target::Beside(file) => file.as_file_mut().flush(),
             Target::InPlace(file) => file.flush(),
         }
     }
@@ -85,6 +94,35 @@ pub fn write(path: impl AsRef<Path>, fill: impl FnOnce(&mut dyn Write) -> io::Re
     file.commit()
 }
 
+/// A new file that others can tell from an abandoned one. Where the file system has no locks, nobody takes it for abandoned.
+fn locked(mut create: impl FnMut() -> io::Result<NamedTempFile>) -> io::Result<NamedTempFile> {
+    loop {
+        let file = create()?;
+        // Between creating and locking, another process may have thought that nobody writes it.
+        if matches!(file.as_file().try_lock(), Err(TryLockError::WouldBlock)) || !file.path().exists() {
+            continue;
+        }
+        return Ok(file);
+    }
+}
+
+/// Removes what killed processes left in a folder. Whatever cannot be read, locked or removed stays.
+fn remove_abandoned(folder: &Path) {
+    let parts = std::fs::read_dir(folder).into_iter().flatten().flatten().filter(|entry| {
+        let name = entry.file_name();
+        let name = name.as_encoded_bytes();
+        name.starts_with(PREFIX.as_bytes()) && name.ends_with(SUFFIX.as_bytes())
+    });
+    for part in parts.filter(|part| part.file_type().is_ok_and(|kind| kind.is_file())) {
+        // The lock is held until the file is gone, so that nobody takes it up again meanwhile.
+        if let Ok(file) = File::open(part.path())
+            && file.try_lock().is_ok()
+        {
+            let _ = std::fs::remove_file(part.path());
+        }
+    }
+}
+
 /// The file itself where the path is a symbolic link, which a rename would replace.
 fn resolve(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.into())
@@ -103,12 +141,13 @@ fn open(path: &Path) -> io::Result<Target> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
+    remove_abandoned(folder);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".prt-").suffix(".part");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     // A temporary file is private; a result has the permissions of any new file (less the umask), or those of the old one.
     #[cfg(unix)]
     let builder = builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(folder)?;
+    let file = locked(|| builder.tempfile_in(folder))?;
     if let Some(old) = old {
         file.as_file().set_permissions(old.permissions())?;
     }

@@ -85,3 +85,19 @@ fn a_device_is_written_in_place() {
     assert!(matches!(error, Error::Io { ref cause, .. } if cause.kind() == io::ErrorKind::StorageFull), "{error}");
     assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
 }
+
+#[test]
+fn what_a_killed_process_left_goes_with_the_next_file_and_what_another_writes_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let [abandoned, foreign] = [".prt-abcdef.part", "prt-abcdef.part"].map(|name| folder.path().join(name));
+    for path in [&abandoned, &foreign] {
+        std::fs::write(path, "half").unwrap();
+    }
+    let mut other = AtomicFile::create(folder.path().join("other")).unwrap();
+    other.put(b"other").unwrap();
+    atomic::write(folder.path().join("whole"), |file| file.write_all(b"whole")).unwrap();
+    assert!(!abandoned.exists() && foreign.exists());
+    other.commit().unwrap();
+    assert_eq!(std::fs::read(folder.path().join("other")).unwrap(), b"other");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}

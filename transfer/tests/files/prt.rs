@@ -64,7 +64,7 @@ fn the_golden_file_of_version_1_still_reads() {
 /// version does. To make the file anew after a deliberate change of version: `PRT_WRITE_GOLDEN=1 cargo test golden`.
 #[test]
 fn what_is_written_agrees_with_the_golden_file() {
-    let bytes = prt::to_bytes(&compress(&matrix())).unwrap();
+    let bytes = prt::to_bytes(&compress(&matrix()), &Quiet).unwrap();
     if std::env::var_os("PRT_WRITE_GOLDEN").is_some() {
         std::fs::write(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/csr-1.prt"), &bytes).unwrap();
     }
@@ -80,10 +80,10 @@ fn what_is_written_agrees_with_the_golden_file() {
 #[test]
 fn the_meaning_of_responses_comes_back_and_is_what_raises_the_version() {
     let version = |bytes: &[u8]| u32::from_le_bytes(bytes[8..12].try_into().unwrap());
-    assert_eq!(version(&prt::to_bytes(&compress(&matrix())).unwrap()), 1);
+    assert_eq!(version(&prt::to_bytes(&compress(&matrix()), &Quiet).unwrap()), 1);
     for text in ["exit-orthonormal:3", "terms:3:lambert:albedo=0.5"] {
         let known = matrix_of(3).with_responses(text.parse().unwrap()).unwrap();
-        let bytes = prt::to_bytes(&compress(&known)).unwrap();
+        let bytes = prt::to_bytes(&compress(&known), &Quiet).unwrap();
         assert_eq!(version(&bytes), 2);
         let read = prt::from_bytes(&bytes, &registry()).unwrap();
         assert_eq!(read.responses().to_string(), text);
@@ -134,9 +134,9 @@ fn the_documented_offsets_hold() {
 fn sizes_come_from_the_file_and_saving_again_gives_the_same_bytes() {
     let folder = folder();
     let (first, second) = (folder.path().join("a.prt"), folder.path().join("b.prt"));
-    let sizes = prt::write(&first, &compress(&matrix())).unwrap();
+    let sizes = prt::write(&first, &compress(&matrix()), &Quiet).unwrap();
     let read = prt::read(&first, &registry()).unwrap();
-    assert_eq!(prt::write(&second, &read).unwrap(), sizes);
+    assert_eq!(prt::write(&second, &read, &Quiet).unwrap(), sizes);
     let bytes = std::fs::read(&first).unwrap();
     assert_eq!(bytes, std::fs::read(&second).unwrap());
     assert_eq!(sizes.file, bytes.len() as u64);
@@ -151,7 +151,7 @@ fn the_file_is_the_same_on_any_number_of_threads() {
     let compressed = compress(&matrix());
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| prt::to_bytes(&compressed).unwrap())
+        pool.install(|| prt::to_bytes(&compressed, &Quiet).unwrap())
     };
     assert_eq!(on(1), on(2));
 }
@@ -172,7 +172,7 @@ fn a_section_is_stored_in_the_smaller_form_and_reads_back() {
         section("weights/noise", noise[..300].to_vec()),
         section("weights/same", vec![7; 3 << 20]),
     ];
-    let bytes = prt::pack(&header(), &sections).unwrap();
+    let bytes = prt::pack(&header(), sections.clone(), &Quiet).unwrap();
     let infos = prt::inspect(&bytes).unwrap().sections;
     let encodings: Vec<Encoding> = infos.iter().map(|s| s.encoding).collect();
     assert_eq!(encodings, [Encoding::Raw, Encoding::Raw, Encoding::Zstd]);
@@ -185,10 +185,10 @@ fn a_section_is_stored_in_the_smaller_form_and_reads_back() {
 #[test]
 fn limits_of_the_format_are_said_when_writing() {
     let many = |n: usize| (0..n).map(|i| section(&i.to_string(), vec![])).collect::<Vec<_>>();
-    assert!(prt::pack(&header(), &many(MAX_SECTIONS)).is_ok());
-    names(prt::pack(&header(), &many(MAX_SECTIONS + 1)), "sections");
-    assert!(prt::pack(&header(), &[section(&"x".repeat(MAX_NAME), vec![])]).is_ok());
-    names(prt::pack(&header(), &[section(&"x".repeat(MAX_NAME + 1), vec![])]), "name");
+    assert!(prt::pack(&header(), many(MAX_SECTIONS), &Quiet).is_ok());
+    names(prt::pack(&header(), many(MAX_SECTIONS + 1), &Quiet), "sections");
+    assert!(prt::pack(&header(), vec![section(&"x".repeat(MAX_NAME), vec![])], &Quiet).is_ok());
+    names(prt::pack(&header(), vec![section(&"x".repeat(MAX_NAME + 1), vec![])], &Quiet), "name");
 }
 
 #[test]
@@ -196,7 +196,7 @@ fn every_layout_and_basis_survives() {
     for layout in [Layout::Sparse, Layout::Rows, Layout::Samples] {
         for basis in ["cubemap:2", "latlong:6x4", "plain:24"] {
             let header = Header { layout, basis: basis.parse().unwrap(), ..header() };
-            assert_eq!(prt::inspect(&prt::pack(&header, &[]).unwrap()).unwrap().header, header);
+            assert_eq!(prt::inspect(&prt::pack(&header, Vec::new(), &Quiet).unwrap()).unwrap().header, header);
         }
     }
 }

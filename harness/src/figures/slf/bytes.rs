@@ -5,13 +5,14 @@ use crate::charts::curves::{Curves, Dot, Plane};
 use crate::error_sums::relative;
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
+use crate::interrupt::Unseen;
 use crate::light_field::{Compression, compressed};
 use crate::machine::Machine;
 use crate::number;
 use crate::table::aligned;
 use prt_transfer::responses::Directions;
 use prt_transfer::scene::light_field::{FieldParams, Horizon};
-use prt_transfer::{Metric, Quiet, TransferMatrix};
+use prt_transfer::{Metric, TransferMatrix};
 
 pub(super) const FIGURE: Figure = Figure { name: "bytes", table: None, draw };
 
@@ -79,7 +80,7 @@ fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
                 stage.steps.show(&format!("{} {label}", of.shape));
                 let path = folder.path().join("field.prt");
                 let registry = stage.bench.registry;
-                let encode = || compressed(&matrix, &label.parse()?, registry, &path, &Quiet);
+                let encode = || compressed(&matrix, &label.parse()?, registry, &path, &Unseen);
                 let made = stage.bench.pools.everywhere(encode).map_err(|e| format!("{e:#}"));
                 outcomes.push(Outcome { subject, family, clusters, made });
                 stage.steps.done(1);

@@ -8,12 +8,13 @@ mod table1_layout;
 
 use super::Paper;
 use super::stage::Stage;
+use crate::interrupt::Unseen;
 use anyhow::Context;
+use prt_transfer::TransferMatrix;
 use prt_transfer::scene::light_field::{FieldParams, light_field};
 use prt_transfer::scene::path::{PathParams, PathTracer};
 use prt_transfer::scene::world::World;
 use prt_transfer::scene::worlds;
-use prt_transfer::{Quiet, TransferMatrix};
 
 /// Table 1, and what stands behind it.
 pub(super) const PAPER: Paper = Paper {
@@ -46,7 +47,7 @@ fn field(stage: &Stage, world: &World, shape: &str, params: &FieldParams, seed: 
     stage.steps.show(&format!("tracing {shape}"));
     let tracer = PathTracer::new(world, PathParams { seed, ..PathParams::default() })?;
     let object = world.objects().iter().position(|o| o.name == shape).context("a shape of the world")?;
-    let traced = stage.bench.pools.everywhere(|| light_field(&tracer, object, params, &Quiet))?;
+    let traced = stage.bench.pools.everywhere(|| light_field(&tracer, object, params, &Unseen))?;
     stage.steps.done(1);
     Ok(traced.matrix)
 }

@@ -4,6 +4,7 @@ use super::{WORLD, field, world};
 use crate::charts::curves::{Curves, Dot, Plane};
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
+use crate::interrupt::Unseen;
 use crate::light_field::as_slf;
 use crate::machine::Machine;
 use crate::number::short;
@@ -11,7 +12,7 @@ use crate::table::aligned;
 use anyhow::Context;
 use prt_slf::EncodedSlf;
 use prt_transfer::scene::light_field::FieldParams;
-use prt_transfer::{Encoded, Quiet, TransferMatrix};
+use prt_transfer::{Encoded, TransferMatrix};
 use rayon::prelude::*;
 
 pub(super) const FIGURE: Figure = Figure { name: "seams", table: None, draw };
@@ -68,7 +69,7 @@ fn at(
     let label = format!("slf:clusters={clusters}:components={components}");
     stage.steps.show(&label);
     let method = stage.bench.registry.method(&label.parse()?)?;
-    let compressed = stage.bench.pools.everywhere(|| method.encode(matrix, &Quiet))?;
+    let compressed = stage.bench.pools.everywhere(|| method.encode(matrix, &Unseen))?;
     let slf = as_slf(&compressed)?.context("what slf makes is slf")?;
     let sums = stage.bench.pools.everywhere(|| second_differences(matrix, &slf, width));
     let mean = {
@@ -207,6 +208,7 @@ fn csv(outcomes: &[Outcome], machine: &Machine) -> anyhow::Result<Vec<u8>> {
 mod tests {
     use super::*;
     use prt_slf::{Slf, SlfParams};
+    use prt_transfer::Quiet;
     use prt_transfer::responses::Directions;
     use prt_transfer::texels::{Border, Texels};
     use prt_transfer::{Codec, Configure, LightBasis, ResponseBasis};

@@ -5,12 +5,12 @@ use super::{WORLD, world};
 use crate::charts::curves::{Curves, Dot, Plane};
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
+use crate::interrupt::Unseen;
 use crate::light_field::{Fields, Settings, made};
 use crate::machine::Machine;
 use crate::number::short;
 use crate::table::aligned;
 use prt_slf::Interpolation;
-use prt_transfer::Quiet;
 use prt_transfer::image::Image;
 use prt_transfer::responses::Directions;
 use prt_transfer::scene::camera::Camera;
@@ -79,7 +79,7 @@ fn trace(stage: &Stage, world: &World, seed: u64, texels: usize, folder: &Path) 
         stage.steps.show(&format!("{}, seed {seed}", of.name));
         let mut settings = Settings::papers(of, [texels; 2]);
         settings.field.frame = Directions::Reflected;
-        stage.bench.pools.everywhere(|| made(&tracer, object, &settings, stage.bench.registry, folder, &Quiet))?;
+        stage.bench.pools.everywhere(|| made(&tracer, object, &settings, stage.bench.registry, folder, &Unseen))?;
         stage.steps.done(1);
     }
     Ok(())
@@ -90,7 +90,7 @@ fn paths_at(stage: &Stage, world: &World, camera: &Camera, n: usize) -> anyhow::
     let (mut images, mut coverage, began) = (Vec::new(), Vec::new(), Instant::now());
     for seed in [0, 1] {
         let tracer = PathTracer::new(world, PathParams { seed, ..PathParams::default() })?;
-        let image = || path::image(&tracer, camera, (n * n) as u32, |_| [0.0; 3], &Quiet);
+        let image = || path::image(&tracer, camera, (n * n) as u32, |_| [0.0; 3], &Unseen);
         let traced = stage.bench.pools.everywhere(image)?;
         coverage = traced.coverage;
         images.push(traced.image);
@@ -106,7 +106,7 @@ fn fields_at(stage: &Stage, world: &World, camera: &Camera, n: usize, folders: [
         let fields = Fields::read(folder, world, Interpolation::Bilinear)?;
         let shot = Shot { camera, samples: n, background: &|_| [0.0; 3] };
         let began = Instant::now();
-        let (image, covered) = stage.bench.pools.everywhere(|| fields.picture(&tracer, &shot, &Quiet))?;
+        let (image, covered) = stage.bench.pools.everywhere(|| fields.picture(&tracer, &shot, &Unseen))?;
         seconds += 0.5 * began.elapsed().as_secs_f64();
         coverage = covered;
         images.push(image);

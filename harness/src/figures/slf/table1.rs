@@ -4,9 +4,9 @@ use super::table1_layout::{csv, of_pictures, of_shapes};
 use super::{WORLD, world};
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
+use crate::interrupt::Unseen;
 use crate::light_field::{Fields, Settings, Shape, made};
 use prt_slf::Interpolation;
-use prt_transfer::Quiet;
 use prt_transfer::image::{Picture, Tone};
 use prt_transfer::params::Value;
 use prt_transfer::responses::Directions;
@@ -148,7 +148,7 @@ fn shape(
     let mut settings = Settings::papers(of, [size.texels; 2]);
     settings.field.frame = frame;
     stage.steps.show(&format!("{}, directions {}", of.name, frame.show()));
-    let made = stage.bench.pools.everywhere(|| made(tracer, object, &settings, stage.bench.registry, folder, &Quiet));
+    let made = stage.bench.pools.everywhere(|| made(tracer, object, &settings, stage.bench.registry, folder, &Unseen));
     Ok(made?.0)
 }
 
@@ -164,7 +164,7 @@ fn pictures(
     let began = Instant::now();
     let samples = (size.samples[1] * size.samples[1]) as u32;
     let path::Traced { image: traced, coverage, .. } =
-        pools.everywhere(|| path::image(tracer, &camera, samples, |_| [0.0; 3], &Quiet))?;
+        pools.everywhere(|| path::image(tracer, &camera, samples, |_| [0.0; 3], &Unseen))?;
     let paths_s = began.elapsed().as_secs_f64();
     stage.steps.done(1);
     let stops = traced.automatic_exposure(&coverage)?;
@@ -174,7 +174,7 @@ fn pictures(
         let fields = Fields::read(folder, tracer.world(), Interpolation::Bilinear)?;
         let look = picture::Shot { camera: &camera, samples: size.samples[0], background: &|_| [0.0; 3] };
         let began = Instant::now();
-        let (image, _) = pools.everywhere(|| fields.picture(tracer, &look, &Quiet))?;
+        let (image, _) = pools.everywhere(|| fields.picture(tracer, &look, &Unseen))?;
         let seconds = began.elapsed().as_secs_f64();
         stage.steps.done(1);
         let error = image.relative_squared_error(&traced, &coverage)?;

@@ -4,13 +4,14 @@ use crate::charts::curves::{Curves, Dot, Plane};
 use crate::error_sums::{of_difference, of_matrix, relative};
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
+use crate::interrupt::Unseen;
 use crate::machine::Machine;
 use crate::signal::{Signal, Spec};
 use crate::table::aligned;
 use crate::{compute, number, registry};
 use prt_srbf::{Centers, Srbf, SrbfParams};
 use prt_transfer::metric::Metric;
-use prt_transfer::{Configure, LightBasis, Quiet, TransferMatrix, Transform};
+use prt_transfer::{Configure, LightBasis, TransferMatrix, Transform};
 
 pub(super) const FIGURE: Figure = Figure { name: "bandwidth", table: None, draw };
 
@@ -41,7 +42,7 @@ struct Outcome {
 
 fn draw(stage: &Stage) -> anyhow::Result<Drawing> {
     let spec = Spec::new(Signal::Diffuse, BASIS.clone());
-    let matrix = compute::precompute(SCENE, Some(VERTICES), &spec, &Quiet)?.matrix;
+    let matrix = compute::precompute(SCENE, Some(VERTICES), &spec, &Unseen)?.matrix;
     let mut outcomes = Vec::new();
     for bandwidth in BANDWIDTHS {
         stage.steps.show(&format!("bandwidth {bandwidth}"));
@@ -70,7 +71,7 @@ fn at(stage: &Stage, matrix: &TransferMatrix, bandwidth: f64) -> anyhow::Result<
     let error = |(_, options, codec): (&str, &str, &str)| -> Result<f64, String> {
         let label = format!("srbf:bandwidth={bandwidth}{options}+{codec}");
         let method = registry::method(stage.bench.registry, &label).map_err(|e| e.to_string())?;
-        let encode = || method.encode(matrix, &Quiet);
+        let encode = || method.encode(matrix, &Unseen);
         let compressed = stage.bench.pools.everywhere(encode).map_err(|e| e.to_string())?;
         Ok(relative(of_difference(matrix, &compressed, &metric).weighted, whole))
     };

@@ -4,11 +4,11 @@ use super::lights::images;
 use super::restored::{BASIS, area_weighted, haar, harmonics, relative_error};
 use crate::figures::stage::{Stage, title};
 use crate::figures::{Drawing, Figure};
+use crate::interrupt::Unseen;
 use crate::lights;
 use crate::tables::beside::{Beside, Cell, Column, Line};
 use ndarray::Array2;
 use prt_srbf::fit::{FitParams, fit};
-use prt_transfer::Quiet;
 use std::time::Instant;
 
 pub(in crate::figures) const FIGURE: Figure =
@@ -55,7 +55,7 @@ static METHODS: [Printed; 3] = [
 
 fn lobes(light: &Array2<f32>) -> anyhow::Result<Array2<f32>> {
     let params = FitParams { lobes: LOBES, ..FitParams::default() };
-    Ok(fit(&params, &BASIS, light.view(), &Quiet)?.light.texels(&BASIS)?)
+    Ok(fit(&params, &BASIS, light.view(), &Unseen)?.light.texels(&BASIS)?)
 }
 
 fn draw(stage: &Stage) -> anyhow::Result<Drawing> {

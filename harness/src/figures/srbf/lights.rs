@@ -4,12 +4,12 @@ use super::restored::{BASIS, haar, harmonics, relative_error};
 use crate::charts::curves::{Curves, Dot, Plane};
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
+use crate::interrupt::Unseen;
 use crate::machine::Machine;
 use crate::table::aligned;
 use crate::{lights, number};
 use anyhow::Context;
 use prt_srbf::fit::{FitParams, fit};
-use prt_transfer::Quiet;
 use std::path::Path;
 use std::time::Instant;
 
@@ -83,7 +83,7 @@ fn of_light(stage: &Stage, name: &str, counts: &[usize]) -> anyhow::Result<Vec<O
         stage.steps.show(&format!("{title}: {lobes} lobes"));
         let began = Instant::now();
         let params = FitParams { lobes, ..FitParams::default() };
-        let found = stage.bench.pools.everywhere(|| fit(&params, &BASIS, light.view(), &Quiet))?;
+        let found = stage.bench.pools.everywhere(|| fit(&params, &BASIS, light.view(), &Unseen))?;
         let seconds = began.elapsed().as_secs_f64();
         outcomes.push(outcome(0, NUMBERS[0] * lobes, found.relative_squared_error, seconds));
     }

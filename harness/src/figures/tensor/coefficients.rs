@@ -3,12 +3,13 @@
 use super::{spec, title};
 use crate::compute::Computation;
 use crate::figures::stage::{Mesh, Stage};
+use crate::interrupt::Unseen;
 use crate::lights::{self, LIGHTS};
 use anyhow::Context;
 use ndarray::Array2;
 use prt_transfer::samples::square;
 use prt_transfer::scene::dense::{self, DenseSignal, Transformed};
-use prt_transfer::{LightBasis, LightTransform, Metric, Quiet, Stage as Part, TransferMatrix};
+use prt_transfer::{LightBasis, LightTransform, Metric, Stage as Part, TransferMatrix};
 
 /// C of T ≈ C·B in orthonormal coordinates, and what is known of T.
 pub(super) struct Coefficients {
@@ -46,7 +47,7 @@ impl Coefficients {
             kept += square(rows);
             Ok(())
         };
-        let streamed = stage.bench.pools.everywhere(|| computation.stream(&transformed, &Quiet, take))?;
+        let streamed = stage.bench.pools.everywhere(|| computation.stream(&transformed, &Unseen, take))?;
         let square = transformed.square().context("lobes lie on the sphere")?;
         let matrix = TransferMatrix::from_dense(values, shape.rows(), shape.responses, streamed.basis)?;
         let matrix = matrix.with_responses(streamed.responses)?.by_samples();

@@ -4,13 +4,13 @@ use super::tensors::{TENSORS, Tensor};
 use crate::charts::curves::{Curves, Dot, Plane};
 use crate::figures::stage::Stage;
 use crate::figures::{Drawing, Figure};
+use crate::interrupt::Unseen;
 use crate::machine::Machine;
 use crate::number;
 use crate::table::aligned;
 use crate::timing::Timing;
 use ndarray::ArrayD;
 use prt_tensor::tucker::{Algorithm, Decomposer, Ranks, Tucker, TuckerParams};
-use prt_transfer::Quiet;
 
 pub(super) const FIGURE: Figure = Figure { name: "decompositions", table: None, draw };
 
@@ -79,7 +79,7 @@ fn params(algorithm: usize, rank: usize) -> TuckerParams {
 fn timed(stage: &Stage, array: &ArrayD<f32>, params: &TuckerParams) -> anyhow::Result<(Tucker, Timing)> {
     let decomposer = Decomposer::new(params.clone())?;
     let (pools, budget, mut found) = (stage.bench.pools, stage.bench.budget, None);
-    let mut once = || decomposer.decompose(array.view(), &Quiet).map(|tucker| found = Some(tucker));
+    let mut once = || decomposer.decompose(array.view(), &Unseen).map(|tucker| found = Some(tucker));
     let timing = pools.everywhere(|| budget.time(&mut once))?;
     Ok((found.expect("it ran"), timing))
 }

@@ -2,11 +2,12 @@
 
 use super::coefficients::Coefficients;
 use crate::figures::stage::Stage;
+use crate::interrupt::Unseen;
 use crate::{error_sums, memory, registry};
 use anyhow::{Context, anyhow, ensure};
 use ndarray::Array2;
+use prt_transfer::Compressed;
 use prt_transfer::io::prt;
-use prt_transfer::{Compressed, Quiet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Instant;
 
@@ -50,9 +51,9 @@ fn measured(stage: &Stage, coefficients: &Coefficients, label: &str) -> anyhow::
     let method = registry::method(stage.bench.registry, label)?;
     let began = Instant::now();
     let (encoded, peak_bytes) =
-        memory::peak_of(|| pools.everywhere(|| method.encode_coefficients(matrix, basis, &Quiet)));
+        memory::peak_of(|| pools.everywhere(|| method.encode_coefficients(matrix, basis, &Unseen)));
     let encode_s = began.elapsed().as_secs_f64();
-    let file = prt::to_bytes(&encoded?)?;
+    let file = prt::to_bytes(&encoded?, &Unseen)?;
     let compressed = prt::from_bytes(&file, stage.bench.registry)?;
     let error = pools.everywhere(|| error(coefficients, &compressed));
     ensure!(error.is_finite(), "the decoded matrix is not finite");

@@ -2,12 +2,13 @@
 
 use crate::error_sums;
 use crate::figures::stage::Stage;
+use crate::interrupt::Unseen;
 use crate::registry;
 use anyhow::Context;
 use ndarray::{Array2, s};
 use prt_transfer::io::prt;
 use prt_transfer::method::transform_rows;
-use prt_transfer::{Compressed, Error, Label, LightBasis, LightTransform, Metric, Quiet, TransferMatrix};
+use prt_transfer::{Compressed, Error, Label, LightBasis, LightTransform, Metric, TransferMatrix};
 use std::time::Instant;
 
 /// Coefficients of a segment.
@@ -35,7 +36,7 @@ impl Segments {
         let label: Label = format!("{transform}+dense").parse()?;
         let (bound, began) = (stage.bench.registry.method(&label)?.bind(matrix.basis())?, Instant::now());
         let bound_ref = &*bound;
-        let whole = stage.bench.pools.everywhere(|| transform_rows(matrix, bound_ref, &Quiet))?;
+        let whole = stage.bench.pools.everywhere(|| transform_rows(matrix, bound_ref, &Unseen))?;
         let parts = (0..whole.lights()).step_by(LENGTH).map(|first| cut(&whole, first));
         let parts = parts.collect::<anyhow::Result<Vec<TransferMatrix>>>()?;
         Ok(Segments { bound, parts, seconds: began.elapsed().as_secs_f64() })
@@ -54,9 +55,9 @@ impl Segments {
         let [mut error, mut square] = [0.0; 2];
         for part in &self.parts {
             let began = Instant::now();
-            let compressed = pools.everywhere(|| method.encode(part, &Quiet))?;
+            let compressed = pools.everywhere(|| method.encode(part, &Unseen))?;
             encode_s += began.elapsed().as_secs_f64();
-            let file = prt::to_bytes(&compressed)?;
+            let file = prt::to_bytes(&compressed, &Unseen)?;
             file_bytes += file.len() as u64;
             let (compressed, metric) = (prt::from_bytes(&file, registry)?, Metric::of(part)?);
             error += pools.everywhere(|| error_sums::of_difference(part, &compressed, &metric)).squares;
@@ -106,6 +107,7 @@ mod tests {
     use crate::machine::Machine;
     use crate::measure::{Bench, Pools};
     use crate::timing::Budget;
+    use prt_transfer::Quiet;
     use std::time::Duration;
 
     #[test]

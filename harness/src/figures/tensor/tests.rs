@@ -50,7 +50,7 @@ fn the_error_by_pythagoras_is_that_of_the_restored_rows() {
         for label in ["srbf+dense", "srbf+cta:clusters=2:light=24:sample=8", "srbf+cta:clusters=1:numbers=coded"] {
             let encode = method(&registry(), label).unwrap();
             let compressed = encode.encode_coefficients(&coefficients.matrix, &coefficients.basis, &Quiet).unwrap();
-            let compressed = prt::from_bytes(&prt::to_bytes(&compressed).unwrap(), &registry()).unwrap();
+            let compressed = prt::from_bytes(&prt::to_bytes(&compressed, &Quiet).unwrap(), &registry()).unwrap();
             let explicit = of_difference(&whole, &compressed, &metric).weighted / square;
             let found = encoding::error(&coefficients, &compressed);
             assert!((found / explicit - 1.0).abs() < 1e-4, "{label}: {found} {explicit}");

@@ -9,10 +9,11 @@ use spectrum::Spectrum;
 
 use super::bound::{Bound, Goal, Norm};
 use super::trial::Trial;
+use crate::interrupt::Unseen;
 use crate::measure::Reference;
 use crate::registry::families::Counts;
 use anyhow::Result;
-use prt_transfer::{Label, Quiet, Registry};
+use prt_transfer::{Label, Registry};
 use std::collections::HashMap;
 
 /// An estimate, and what came of it.
@@ -71,7 +72,7 @@ impl Spectra {
         }
         let stage = label.transform.to_string();
         if !self.components.contains_key(&stage) {
-            let transformed = registry.method(label)?.transformed(reference.matrix(), &Quiet)?;
+            let transformed = registry.method(label)?.transformed(reference.matrix(), &Unseen)?;
             let matrix = transformed.coefficients().unwrap_or(reference.matrix());
             let spectrum = match (goal.norm, transformed.coefficients()) {
                 (Norm::Sphere, None) => Spectrum::of(matrix, Some(reference.metric()))?,
@@ -103,7 +104,7 @@ impl Spectra {
         let Bound::Error(bound) = goal.bound else { return Ok(Vec::new()) };
         let stage = label.transform.to_string();
         if !self.terms.contains_key(&stage) {
-            let transformed = registry.method(label)?.transformed(reference.matrix(), &Quiet)?;
+            let transformed = registry.method(label)?.transformed(reference.matrix(), &Unseen)?;
             let tails = tail::of_rows(transformed.coefficients().unwrap_or(reference.matrix()));
             self.terms.insert(stage.clone(), tails);
         }

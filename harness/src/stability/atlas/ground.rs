@@ -25,7 +25,7 @@ pub(super) fn encoded(label: &str, matrix: &TransferMatrix) -> Result<Compressed
 
 /// Through a file's bytes.
 pub(super) fn reloaded(compressed: &Compressed) -> Result<Compressed> {
-    files::prt_from_bytes(&files::prt_bytes(compressed)?, &registry())
+    files::prt_from_bytes(&files::prt_bytes(compressed, &Quiet)?, &registry())
 }
 
 /// Every row, rows x lights.

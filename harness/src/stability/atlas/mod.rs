@@ -21,6 +21,7 @@ mod wavelets;
 
 pub use outcome::{Atlas, Figure, Outcome, Point};
 
+use crate::interrupt;
 use crate::progress::Steps;
 use case::{Case, Form, Part};
 use prt_transfer::{Error, Result};
@@ -59,17 +60,21 @@ pub fn chosen(names: &[String]) -> Result<Chosen> {
 }
 
 /// Runs cases, all values of all of them side by side on the current pool.
-pub fn measure(chosen: Chosen, steps: &Steps) -> Atlas {
+///
+/// # Errors
+/// An interruption. What a form fails with is its figure.
+pub fn measure(chosen: Chosen, steps: &Steps) -> Result<Atlas> {
     let point = |case: &Case, value: f64| {
+        interrupt::check()?;
         let of = |form: &Form| outcome::figure((form.figure)(value));
         let point = Point { value, printed: of(&case.printed), here: of(&case.here) };
         steps.done(1);
-        point
+        Ok(point)
     };
     let outcome = |case: &&'static Case| {
-        let points = case.values.par_iter().map(|value| point(case, *value)).collect();
-        Outcome { case, points }
+        let points = case.values.par_iter().map(|value| point(case, *value)).collect::<Result<_>>()?;
+        Ok(Outcome { case, points })
     };
-    let parts = chosen.into_par_iter().map(|(part, cases)| (part, cases.par_iter().map(outcome).collect())).collect();
-    Atlas { parts }
+    let of_part = |(part, cases): (_, Vec<_>)| Ok((part, cases.par_iter().map(outcome).collect::<Result<_>>()?));
+    Ok(Atlas { parts: chosen.into_par_iter().map(of_part).collect::<Result<_>>()? })
 }

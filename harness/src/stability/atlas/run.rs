@@ -14,7 +14,7 @@ pub(in crate::stability) fn run(names: &[String], out: &Path, threads: usize) ->
     let (out, machine, pools) = (cache::make(out.to_path_buf())?, Machine::here(threads), Pools::new(threads)?);
     let steps = Steps::new(chosen.iter().flat_map(|(_, cases)| cases).map(|case| case.values.len()).sum());
     steps.show("cases of failure");
-    let atlas = pools.everywhere(|| measure(chosen, &steps));
+    let atlas = pools.everywhere(|| measure(chosen, &steps))?;
     steps.finish();
     write(&atlas, &out, &machine)?;
     terminal::say(table::text(&atlas))?;
@@ -35,7 +35,7 @@ pub fn whole(out: &Path, machine: &Machine, pools: &Pools, steps: &Steps) -> any
         return Ok(atlas);
     }
     let chosen = chosen(&[])?;
-    let atlas = pools.everywhere(|| measure(chosen, steps));
+    let atlas = pools.everywhere(|| measure(chosen, steps))?;
     write(&atlas, &cache::make(out.to_path_buf())?, machine)?;
     Ok(atlas)
 }

@@ -7,7 +7,7 @@ use super::Stability;
 use crate::machine::Machine;
 use crate::progress::Steps;
 use crate::timing::Budget;
-use crate::{cache, files, terminal};
+use crate::{cache, files, interrupt, terminal};
 use anyhow::ensure;
 use ndarray::{Array2, ArrayView2};
 use outcome::Outcome;
@@ -74,6 +74,7 @@ fn measured(
     let known = spectrum.matrix(rows, columns, SEED);
     let mut outcomes = Vec::new();
     for &components in components {
+        interrupt::check()?;
         let start = spectrum.start(&known, components);
         let solve =
             |i: usize| leading(solvers[i], known.matrix.view(), components, start.as_ref().map(|start| start.view()));

@@ -14,7 +14,7 @@ const PREFIX: usize = 16;
 /// Bytes of the checksum that ends the header.
 const CHECKSUM: usize = 4;
 
-pub(super) fn header(header: &Header, sections: &[&SectionInfo]) -> Result<Vec<u8>> {
+pub(super) fn header(header: &Header, sections: &[SectionInfo]) -> Result<Vec<u8>> {
     let mut bytes = MAGIC.to_vec();
     let version = if header.responses.is_plain() { 1 } else { VERSION };
     bytes.extend(version.to_le_bytes());
