@@ -2,13 +2,30 @@
 
 use std::path::PathBuf;
 
+/// Bytes that a message shows of a text.
+const LONGEST: usize = 400;
+
+/// A text that may be a stranger's: cut where it is long, its control characters written out, so that a message stays one line and no file speaks to
+/// the terminal.
+fn shown(text: &str) -> String {
+    let mut shown = String::new();
+    for c in text.chars() {
+        if shown.len() >= LONGEST {
+            shown.push('…');
+            break;
+        }
+        if c.is_control() { shown.extend(c.escape_default()) } else { shown.push(c) }
+    }
+    shown
+}
+
 /// What went wrong, with the numbers that a user needs to mend it. One line says everything: causes are part of the message
 /// and not handed out by [`std::error::Error::source`] a second time.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// Two sizes that must agree do not. Give the operation arrays of the stated size.
-    #[error("{what}: expected {expected}, found {found}")]
+    #[error("{}: expected {expected}, found {found}", shown(what))]
     Shape {
         /// The size that was checked, with its place.
         what: String,
@@ -42,7 +59,7 @@ pub enum Error {
         cols: usize,
     },
     /// A parameter outside its range, or not a value of its type.
-    #[error("{method}: {name}={value} must be {expected}")]
+    #[error("{method}: {}={} must be {expected}", shown(name), shown(value))]
     Parameter {
         /// The codec or transform.
         method: String,
@@ -54,7 +71,7 @@ pub enum Error {
         expected: String,
     },
     /// A name that nothing here bears. `prt methods` lists what there is.
-    #[error("unknown {what} '{name}'; known: {known}")]
+    #[error("unknown {what} '{}'; known: {known}", shown(name))]
     Unknown {
         /// The kind of name: codec, transform, parameter, scene.
         what: &'static str,
@@ -64,7 +81,7 @@ pub enum Error {
         known: String,
     },
     /// A label that does not follow `transform:name=value+codec:name=value`.
-    #[error("label '{label}': {problem}")]
+    #[error("label '{}': {}", shown(label), shown(problem))]
     Label {
         /// The whole label.
         label: String,
@@ -72,7 +89,7 @@ pub enum Error {
         problem: String,
     },
     /// Two things that cannot be combined, such as a transform and a basis that it is not defined on.
-    #[error("{what}: expected {expected}, found {found}")]
+    #[error("{}: expected {}, found {}", shown(what), shown(expected), shown(found))]
     Unsupported {
         /// The operation.
         what: String,
@@ -82,7 +99,7 @@ pub enum Error {
         found: String,
     },
     /// A file whose content breaks its format. The file is damaged, cut short, or not of this kind.
-    #[error("{format}: {place}: expected {expected}, found {found}")]
+    #[error("{format}: {}: expected {}, found {}", shown(place), shown(expected), shown(found))]
     Format {
         /// The format, by its file extension.
         format: &'static str,
@@ -112,7 +129,7 @@ pub enum Error {
         cause: Box<Error>,
     },
     /// More than the format or this program can hold.
-    #[error("{what}: {found} is above the limit of {limit}")]
+    #[error("{}: {found} is above the limit of {limit}", shown(what))]
     TooLarge {
         /// The quantity.
         what: String,
@@ -141,5 +158,18 @@ impl Error {
     /// `Ok` where two sizes agree, [`Error::Shape`] where they do not.
     pub fn expect_size(what: impl Into<String>, expected: usize, found: usize) -> Result<()> {
         if expected == found { Ok(()) } else { Err(Error::Shape { what: what.into(), expected, found }) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_file_says_is_shown_in_one_line_of_bounded_length_without_control_characters() {
+        let name = format!("a\n\u{1b}[31m{}", "x".repeat(100_000));
+        let message = Error::Unknown { what: "codec", name, known: "csr".into() }.to_string();
+        assert!(message.starts_with("unknown codec 'a\\n\\u{1b}[31mxxx") && message.ends_with("x…'; known: csr"));
+        assert!(message.len() < 500);
     }
 }
