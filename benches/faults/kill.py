@@ -64,10 +64,10 @@ def main():
             subprocess.run(["rm", "-r", folder / kept], check=True)
         counts = {name: Counts() for name in COMMANDS}
         try:
-            for number in range(options.times):
+            while (kills := sum(count.kills for count in counts.values())) < options.times:
                 killed(prt, folder, whole, seconds, random_of, counts)
                 if sys.stderr.isatty():
-                    print(f"\r{number + 1}", end="", file=sys.stderr)
+                    print(f"\r{kills}", end="", file=sys.stderr)
             # Whatever was killed last comes to its end now, and to the same.
             for name, (arguments, outputs) in COMMANDS.items():
                 subprocess.run([prt, *arguments.split()], cwd=folder, check=True, stdout=subprocess.DEVNULL)
@@ -101,14 +101,15 @@ def killed(prt, folder, whole, seconds, random_of, counts):
             old(folder / output, whole[output], random_of)
     before = {output: (folder / output).read_bytes() for output in outputs if (folder / output).exists()}
     rows_before = rows(folder)
-    # Later for what writes at its end.
-    moment = random_of.uniform(0, 1.05 * seconds[name])
+    moment = random_of.uniform(0, seconds[name])
     child = subprocess.Popen([prt, *arguments.split()], cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     time.sleep(moment)
     child.kill()
     said = child.communicate()[1].decode()
     if child.returncode == 0:
         count.late += 1
+        # Faster than it was: the next one comes sooner.
+        seconds[name] = max(moment, 0.05)
     elif child.returncode != -9:
         raise Broken(f"{name} failed after an earlier kill: {said}")
     else:

@@ -1,7 +1,7 @@
 //! Hostile input: what every reader of the program is given that nobody meant to write, and what it promises all the same.
 //!
 //! A [`Reader`] takes bytes and either refuses them, with an error that names what is wrong, or accepts them; what it accepts satisfies the
-//! [`invariants`] of its kind. [`mutation`]s make hostile bytes of the [`seeds`]. What lies behind a checksum and zstd is reached as
+//! invariants of its kind. Mutations make hostile bytes of the seeds. What lies behind a checksum and zstd is reached as
 //! [`Parts`]: a compressed matrix taken apart. `tests/hostile.rs` tries many mutations of every reader, `fuzz/` searches with coverage.
 
 mod invariants;
