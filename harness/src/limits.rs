@@ -112,6 +112,33 @@ mod tests {
     use crate::registry::registry;
 
     #[test]
+    fn sizes_that_only_a_header_can_claim_are_told_of_too() {
+        let registry = registry();
+        let claims = [
+            [1 << 39, 1, 1 << 11],
+            [1 << 26, 1, 1 << 24],
+            [1, 1 << 26, 1 << 24],
+            [1 << 25, 1 << 25, 1],
+            [1 << 40, 1 << 20, 1 << 16],
+        ];
+        for codec in registry.codecs() {
+            let method = registry.method(&codec.name.parse().unwrap()).unwrap();
+            for ([samples, responses, lights], sparse) in
+                claims.into_iter().flat_map(|claim| [(claim, false), (claim, true)])
+            {
+                let shape = Shape { samples, responses, lights };
+                let extent = Extent { shape, non_zeros: 1 << 50, sparse };
+                let told = method.footprint(&extent, &LightBasis::Plain { lights }).unwrap().unwrap();
+                assert!(
+                    told.peak >= 1 << 20 && room::of_encoding(told) < 1 << 62,
+                    "{} {shape:?}: {told:?}",
+                    codec.name
+                );
+            }
+        }
+    }
+
+    #[test]
     fn every_method_has_a_limit_that_grows_with_memory_and_none_needs_less_than_its_matrix() {
         let registry = registry();
         let [small, large] = [1_000_000_000, 16_000_000_000].map(|memory| of(&registry, memory).unwrap());

@@ -23,7 +23,16 @@ pub struct Footprint {
     pub result: u64,
 }
 
+impl Footprint {
+    /// Of what nobody has the memory for.
+    pub const BOUNDLESS: Footprint = Footprint { peak: MOST, result: MOST };
+}
+
 impl Extent {
+    /// Whether the elements alone are more than anyone has.
+    pub fn is_boundless(&self) -> bool {
+        self.cells() > MOST_CELLS
+    }
     /// Of a matrix that is there.
     pub fn of(matrix: &TransferMatrix) -> Extent {
         Extent { shape: matrix.shape(), non_zeros: matrix.non_zeros() as u64, sparse: matrix.is_sparse() }
@@ -49,7 +58,13 @@ impl Extent {
 /// Elements for each of a thin matrix that is not 0.
 const THIN: u64 = 16;
 
-/// So many bytes for each of a number of things.
+/// More bytes than anyone has; sums of a few of them are numbers still.
+const MOST: u64 = 1 << 58;
+
+/// Elements of a matrix that is told of: a file's header may claim more, and no product of sizes of one that has no more overflows.
+const MOST_CELLS: u64 = 1 << 50;
+
+/// So many bytes for each of a number of things, 2⁵⁸ at most.
 pub fn by(bytes: f64, number: u64) -> u64 {
-    (bytes * number as f64) as u64
+    ((bytes * number as f64) as u64).min(MOST)
 }

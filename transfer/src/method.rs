@@ -265,6 +265,9 @@ impl Method {
     /// A basis that the light transform is not defined on.
     pub fn footprint(&self, extent: &Extent, basis: &LightBasis) -> Result<Option<Footprint>> {
         let transform = self.bind(basis)?;
+        if extent.is_boundless() {
+            return Ok(Some(Footprint::BOUNDLESS));
+        }
         if transform.is_identity() {
             return Ok(self.codec.footprint(extent));
         }

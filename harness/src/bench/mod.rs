@@ -123,7 +123,8 @@ pub fn run(arguments: &Bench, threads: usize) -> anyhow::Result<()> {
         groups.push(group);
         selections.extend(selection);
     }
-    let failures = atlas(arguments, &out.join("stability"), &machine, &run)?;
+    let failures = atlas(arguments, &out.join("stability"), &machine, &run);
+    let failures = interrupt::keeping(failures, || kept(&run, &suite))?;
     run.steps.finish();
     pictures::write_csv(&groups, &out, &machine)?;
     let data = report::Data { machine: machine.clone(), groups: groups.clone(), selections };
@@ -154,7 +155,6 @@ fn atlas(arguments: &Bench, out: &Path, machine: &Machine, run: &Run) -> anyhow:
     if *quick || assets.is_some() || ![scenes.len(), signals.len(), methods.len()].iter().all(|&given| given == 0) {
         return Ok(None);
     }
-    run.steps.show("where methods fail");
     stability::atlas::run::whole(out, machine, run.measure.pools, &run.steps).map(Some)
 }
 

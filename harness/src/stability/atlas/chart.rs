@@ -9,7 +9,7 @@ use crate::charts::panels::{Panel, Panels};
 const DRAWN: [f64; 2] = [1e-17, 1e12];
 
 /// The lines of every panel.
-pub(super) const NAMES: [&str; 3] = ["as printed, or as a reader would write it", "here", "the bound that ours keeps"];
+const NAMES: [&str; 3] = ["as printed, or as a reader would write it", "here", "the bound that ours keeps"];
 
 /// The chart of a part.
 pub fn chart(part: &Part, outcomes: &[Outcome]) -> Panels {

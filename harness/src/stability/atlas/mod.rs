@@ -64,6 +64,8 @@ pub fn chosen(names: &[String]) -> Result<Chosen> {
 /// # Errors
 /// An interruption. What a form fails with is its figure.
 pub fn measure(chosen: Chosen, steps: &Steps) -> Result<Atlas> {
+    steps.more(chosen.iter().flat_map(|(_, cases)| cases).map(|case| case.values.len()).sum());
+    steps.show("where methods fail");
     let point = |case: &Case, value: f64| {
         interrupt::check()?;
         let of = |form: &Form| outcome::figure((form.figure)(value));

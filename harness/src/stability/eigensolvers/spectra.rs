@@ -117,7 +117,7 @@ fn norm(vector: ArrayView1<f64>) -> f64 {
 }
 
 /// About normal, of variance 1: no direction is preferred enough to matter once it is orthogonalised.
-pub(in crate::stability) fn normal(rng: &mut Pcg64Mcg) -> f64 {
+fn normal(rng: &mut Pcg64Mcg) -> f64 {
     (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0
 }
 

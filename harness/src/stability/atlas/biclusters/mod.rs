@@ -13,7 +13,7 @@ use prt_transfer::{LightBasis, Result, TransferMatrix};
 pub(super) const PART: Part =
     Part { name: "biclusters", title: "Biclusters", cases: &[residual::CASE, values::CASE, incoherence::CASE] };
 
-/// What 300 places along a path see of the sky between two walls: sparse rows of 0 and 1.
+/// What 300 places along a path see of the sky between walls: rows of 0 and 1, of which sweeps take the non-zeros.
 fn visibility() -> Result<TransferMatrix> {
     let basis = LightBasis::Cubemap { resolution: 12 };
     let texels = basis.directions().unwrap_or_default();
@@ -24,16 +24,7 @@ fn visibility() -> Result<TransferMatrix> {
         let free = |(j, wall): (usize, &[f64; 3])| dot(*wall, texels[k]) < 0.35 + 0.5 * (at * (j + 2) as f64).sin();
         f64::from(u8::from(walls.iter().enumerate().all(free)))
     });
-    let dense = ground::on(rows.view(), 1, basis.clone())?;
-    let (mut offsets, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
-    for row in 0..dense.rows() {
-        for (column, value) in dense.row(row).non_zeros() {
-            columns.push(column as u32);
-            values.push(value);
-        }
-        offsets.push(columns.len());
-    }
-    TransferMatrix::from_csr(offsets, columns, values, 1, basis)
+    ground::on(rows.view(), 1, basis)
 }
 
 /// Operations, as a part of two for each non-zero.

@@ -1,11 +1,11 @@
 //! e^{d·d_i} hardly differs among directions close to each other: nearly the mean of four.
 
+use super::field;
 use crate::stability::atlas::case::{Case, Form};
 use crate::stability::atlas::ground::{direction, dot};
-use prt_slf::{Interpolation, Rows, Sphere, SurfaceLightField};
+use prt_slf::{Interpolation, Sphere};
+use prt_transfer::Result;
 use prt_transfer::random::Random;
-use prt_transfer::texels::{Border, Texels};
-use prt_transfer::{Result, Shape};
 use std::f64::consts::PI;
 
 pub(super) const CASE: Case = Case {
@@ -29,9 +29,7 @@ fn off(height: usize, interpolation: Interpolation) -> Result<f64> {
     let sphere = Sphere { z: 2 * height, w: height };
     let radiance = |d: [f64; 3]| (dot(d, [0.48, 0.6, 0.64]) - 1.0).exp();
     let values: Vec<f32> = sphere.centres().iter().map(|d| radiance(d.map(f64::from)) as f32).collect();
-    let rows = Rows::new([&values[..], &values, &values].concat(), Shape::new(1, 3, values.len())?)?;
-    let texels = Texels { width: 1, height: 1, border: Border::Clamp };
-    let field = SurfaceLightField::new(texels, sphere, rows, interpolation)?;
+    let field = field(sphere, &values, interpolation)?;
     let (mut random, mut sum) = (Random(83), 0.0);
     const DIRECTIONS: usize = 4000;
     for _ in 0..DIRECTIONS {

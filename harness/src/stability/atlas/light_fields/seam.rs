@@ -1,11 +1,11 @@
 //! Two directions a hair apart, on either side of the middle of a texel: radiance between them may not jump.
 
+use super::field;
 use crate::stability::atlas::case::{Case, Form};
 use crate::stability::atlas::ground::{direction, dot};
-use prt_slf::{Interpolation, Rows, Sphere, SurfaceLightField};
+use prt_slf::{Interpolation, Sphere};
+use prt_transfer::Result;
 use prt_transfer::random::Random;
-use prt_transfer::texels::{Border, Texels};
-use prt_transfer::{Result, Shape};
 
 pub(super) const CASE: Case = Case {
     name: "seams",
@@ -25,9 +25,7 @@ fn jump(angle: f64, interpolation: Interpolation) -> Result<f64> {
     let sphere = Sphere { z: 32, w: 16 };
     let mut random = Random(84);
     let values: Vec<f32> = (0..sphere.count()).map(|_| random.uniform() as f32).collect();
-    let rows = Rows::new([&values[..], &values, &values].concat(), Shape::new(1, 3, values.len())?)?;
-    let texels = Texels { width: 1, height: 1, border: Border::Clamp };
-    let field = SurfaceLightField::new(texels, sphere, rows, interpolation)?;
+    let field = field(sphere, &values, interpolation)?;
     let mut most = 0f64;
     for _ in 0..20_000 {
         let d = direction(&mut random);
