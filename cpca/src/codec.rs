@@ -244,7 +244,7 @@ impl Task {
         progress: &dyn Progress,
     ) -> Result<EncodedCpca> {
         progress.start("fit", clustering.groups.len() as u64);
-        let model = finish(samples, matrix.shape(), clustering, &*self.solver.solver(), progress)?;
+        let model = finish(samples, matrix.shape(), clustering, &*self.solver.watched(progress), progress)?;
         Ok(EncodedCpca::store(&model, self.weights, self.representatives))
     }
 }

@@ -3,7 +3,7 @@
 use crate::engine::Clustering;
 use crate::model::{Cluster, Model};
 use crate::refit::mean;
-use crate::solver::EigenSolver;
+use crate::solver::{EigenSolver, product_transposed};
 use ndarray::Array2;
 use prt_transfer::groups::Groups;
 use prt_transfer::samples::Samples;
@@ -51,7 +51,8 @@ fn finished(
         if wanted == 0 { Array2::zeros((0, mean.len())) } else { solver.leading(rows.view(), wanted, None)?.vectors };
     let (of_weights, of_vectors) = samples.scales();
     // (x - x0) · x_i, with what the vectors are before they are rounded: to rounding the same, and orthogonal.
-    let weights = rows.dot(&vectors.t()).iter().map(|w| (w * of_weights) as f32).collect();
+    let weights = product_transposed(vectors.view(), rows.view());
+    let weights = weights.t().iter().map(|w| (w * of_weights) as f32).collect();
     let restored = |vector: &mut dyn Iterator<Item = f64>, scale: f64| {
         let mut vector: Vec<f64> = vector.collect();
         samples.restore(&mut vector);

@@ -1,8 +1,8 @@
 //! Large dense products and decompositions, by faer.
 //!
-//! The only module that names the library: its code is generic and compiles where it is called, so everything here is not. Every
-//! function runs on the calling thread, so that results do not depend on the number of threads; callers share the work out by blocks of a
-//! fixed size. Arrays are row-major and contiguous.
+//! The only module that names the library: its code is generic and compiles where it is called, so everything here is not. Functions run
+//! on the calling thread, so that results do not depend on the number of threads, and callers share the work out by blocks of a fixed
+//! size; those whose names end in `on_all` do that themselves. Arrays are row-major and contiguous.
 
 mod cholesky;
 
@@ -20,6 +20,7 @@ use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, re
 use faer::linalg::svd::{ComputeSvdVectors, svd, svd_scratch};
 use faer::{Accum, Conj, Mat, MatMut, MatRef, Par};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2};
+use rayon::prelude::*;
 
 /// Eigenvalues or singular values in descending order, and their vectors.
 #[derive(Clone, Debug)]
@@ -86,6 +87,32 @@ pub fn times_transposed_f64(a: ArrayView2<f64>, b: ArrayView2<f64>, mut out: Arr
 /// Sizes that do not agree, arrays that are not contiguous.
 pub fn times(a: ArrayView2<f64>, b: ArrayView2<f64>, mut out: ArrayViewMut2<f64>) {
     matmul(lent_mut(&mut out), Accum::Replace, lent(&a), lent(&b), 1.0, Par::Seq);
+}
+
+/// As [`times_transposed_f64`], on all threads.
+///
+/// # Panics
+/// Sizes that do not agree, arrays that are not contiguous.
+pub fn times_transposed_on_all(a: ArrayView2<f64>, b: ArrayView2<f64>, mut out: ArrayViewMut2<f64>) {
+    in_strips(lent_mut(&mut out), lent(&a), lent(&b).transpose());
+}
+
+/// As [`times`], on all threads.
+///
+/// # Panics
+/// Sizes that do not agree, arrays that are not contiguous.
+pub fn times_on_all(a: ArrayView2<f64>, b: ArrayView2<f64>, mut out: ArrayViewMut2<f64>) {
+    in_strips(lent_mut(&mut out), lent(&a), lent(&b));
+}
+
+/// Columns of a product that a thread computes at a time.
+const STRIP: usize = 256;
+
+fn in_strips(out: MatMut<f64>, a: MatRef<f64>, b: MatRef<f64>) {
+    out.par_col_chunks_mut(STRIP).enumerate().for_each(|(strip, out)| {
+        let b = b.subcols(strip * STRIP, out.ncols());
+        matmul(out, Accum::Replace, a, b, 1.0, Par::Seq);
+    });
 }
 
 /// `gram` (n x n) += `a` (m x n)ᵀ · `a`; half of it is computed, and copied.

@@ -12,7 +12,7 @@
 //! | 600 x 600 | 121 | 18, 34 | 158 | 160, 406 |
 //! | 2000 x 600 | 163 | 95, 139 | 258 | 448, 662 |
 
-use super::{Pairs, gram, krylov, svd};
+use super::{Pairs, Question, gram, krylov, svd};
 use ndarray::ArrayView2;
 use prt_transfer::Result;
 
@@ -25,18 +25,19 @@ const EXCESS: f64 = 1e-6;
 /// Part of ‖F‖² from which ‖F‖² − Σ s² is known well.
 const KNOWN: f64 = 1e-12;
 
-pub(super) fn leading(f: ArrayView2<f64>, components: usize, start: Option<ArrayView2<f64>>) -> Result<Pairs> {
+pub(super) fn leading(question: Question) -> Result<Pairs> {
+    let Question { f, components, .. } = question;
     let large = f.nrows().min(f.ncols()) > COLUMNS * (components + BEYOND);
-    if large && let Some(pairs) = krylov::attempt(f, components, start)? {
+    if large && let Some(pairs) = krylov::attempt(question)? {
         return Ok(pairs);
     }
-    let pairs = gram::leading(f, components, None)?;
+    let pairs = gram::leading(question)?;
     if good(f, &pairs, components) {
         return Ok(pairs);
     }
     // Squaring loses what is wanted.
-    let pairs = if large { None } else { krylov::attempt(f, components, start)? };
-    pairs.map_or_else(|| svd::leading(f, components, None), Ok)
+    let pairs = if large { None } else { krylov::attempt(question)? };
+    pairs.map_or_else(|| svd::leading(question), Ok)
 }
 
 /// Whether squares known to ε·s₁² are exact enough: (max(m, n)·ε·s₁²)²/s_k² of energy may be lost.

@@ -45,8 +45,7 @@ impl Basis {
         let mut coefficients = Array2::zeros((block.nrows(), self.rows.nrows()));
         if before > 0 {
             for _ in 0..2 {
-                let mut inside = Array2::zeros((block.nrows(), before));
-                linalg::times_transposed_f64(block.view(), self.view(), inside.view_mut());
+                let inside = product_transposed(block.view(), self.view());
                 block -= &product(inside.view(), self.view());
                 let mut sum = coefficients.slice_mut(s![.., ..before]);
                 sum += &inside;
@@ -82,6 +81,13 @@ impl Basis {
 /// A (m x k) · B (k x n).
 pub(super) fn product(a: ArrayView2<f64>, b: ArrayView2<f64>) -> Array2<f64> {
     let mut out = Array2::zeros((a.nrows(), b.ncols()));
-    linalg::times(a, b, out.view_mut());
+    linalg::times_on_all(a, b, out.view_mut());
+    out
+}
+
+/// A (m x k) · B (n x k)ᵀ.
+pub(crate) fn product_transposed(a: ArrayView2<f64>, b: ArrayView2<f64>) -> Array2<f64> {
+    let mut out = Array2::zeros((a.nrows(), b.nrows()));
+    linalg::times_transposed_on_all(a, b, out.view_mut());
     out
 }

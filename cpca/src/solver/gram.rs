@@ -1,12 +1,12 @@
 //! All eigenpairs of the smaller Gram matrix ("Clustered principal components", §4.1).
 
-use super::Pairs;
 use super::basis::Basis;
+use super::{Pairs, Question};
 use ndarray::{Array2, ArrayView2};
 use prt_transfer::{Result, linalg};
 
 /// FᵀF = V S² Vᵀ, or F Fᵀ = U S² Uᵀ and Vᵀ = S⁻¹ Uᵀ F where that is smaller.
-pub(super) fn leading(f: ArrayView2<f64>, components: usize, _: Option<ArrayView2<f64>>) -> Result<Pairs> {
+pub(super) fn leading(Question { f, components, .. }: Question) -> Result<Pairs> {
     let (m, n) = f.dim();
     let bound = super::zero(f.dim());
     if m >= n {

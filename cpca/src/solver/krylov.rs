@@ -4,7 +4,8 @@
 //! Q (q x n) are orthonormal rows that span random vectors, the guess, and what FᵀF makes of them again and again; P (p
 //! x m) those that span Q Fᵀ. Both are kept orthogonal to working precision, and Q Fᵀ = C P with a small C (q x p),
 //! whose singular pairs are the best that the span of Q holds. FᵀF is never formed, so small singular values are as
-//! exact as large ones.
+//! exact as large ones. What is left of P F = D Q beside Q, by which Q grows, is in D too: the residuals of the pairs
+//! are those of small matrices, w C D - s² w for a vector w Q.
 //!
 //! **The stop.** Let s_i and v_i be those pairs, ρ_i = ‖FᵀF v_i − s_i² v_i‖ and t² the (k+1)-th square. Then s_i² is
 //! short of an eigenvalue by ρ_i at most, and by ρ_i²/(s_i² − t²) where the two are apart (Parlett 1980, §11.7). The
@@ -14,11 +15,11 @@
 //! **Starts.** The block holds more random vectors than components are wanted, guess or not: neither a guess orthogonal
 //! to the leading vectors nor a singular value that is repeated k times can hide them.
 
-use super::basis::{Basis, product};
-use super::{Pairs, norm, svd};
+use super::basis::{Basis, product, product_transposed};
+use super::{Pairs, Question, norm, svd};
 use ndarray::{Array2, ArrayView2, Axis, concatenate, s};
 use prt_transfer::random::Random;
-use prt_transfer::{Result, linalg};
+use prt_transfer::{Progress, Result, linalg};
 
 /// Random vectors beyond the components wanted.
 const BEYOND: usize = 4;
@@ -31,16 +32,16 @@ const BELIEF: usize = 3;
 const BLOCKS: usize = 4;
 const SEED: u64 = 0x6b72_796c_6f76;
 
-pub(super) fn leading(f: ArrayView2<f64>, components: usize, start: Option<ArrayView2<f64>>) -> Result<Pairs> {
-    attempt(f, components, start)?.map_or_else(|| svd::leading(f, components, None), Ok)
+pub(super) fn leading(question: Question) -> Result<Pairs> {
+    attempt(question)?.map_or_else(|| svd::leading(question), Ok)
 }
 
 /// None where the matrix is small or half of all directions do not suffice.
-pub(super) fn attempt(f: ArrayView2<f64>, components: usize, start: Option<ArrayView2<f64>>) -> Result<Option<Pairs>> {
-    if f.nrows().min(f.ncols()) < BLOCKS * (components + BEYOND) {
+pub(super) fn attempt(question: Question) -> Result<Option<Pairs>> {
+    if question.f.nrows().min(question.f.ncols()) < BLOCKS * (question.components + BEYOND) {
         return Ok(None);
     }
-    Search::new(f, components, start).run()
+    Search::new(question).run()
 }
 
 struct Search<'a> {
@@ -50,16 +51,19 @@ struct Search<'a> {
     energy: f64,
     /// C, a row for each of Q and a column for each of P.
     coefficients: Array2<f64>,
+    /// D, a row for each of P and a column for each of Q.
+    back: Array2<f64>,
     right: Basis,
     left: Basis,
     /// Of Q, those whose images are not in P yet.
     block: Array2<f64>,
     /// Blocks that the test waits for.
     least: usize,
+    progress: &'a dyn Progress,
 }
 
 impl<'a> Search<'a> {
-    fn new(f: ArrayView2<'a, f64>, components: usize, start: Option<ArrayView2<f64>>) -> Search<'a> {
+    fn new(Question { f, components, start, progress }: Question<'a>) -> Search<'a> {
         let (m, n) = f.dim();
         let block = first_block(n, components, start);
         let least = if start.is_some() { BELIEF } else { 1 };
@@ -69,7 +73,8 @@ impl<'a> Search<'a> {
         right.extend(block, 1e-10);
         let (block, left) = (right.view().to_owned(), Basis::new(most, m));
         let energy = f.iter().map(|v| v * v).sum();
-        Search { f, components, energy, coefficients: Array2::zeros((most, most)), right, left, block, least }
+        let (coefficients, back) = (Array2::zeros((most, most)), Array2::zeros((most, most)));
+        Search { f, components, energy, coefficients, back, right, left, block, least, progress }
     }
 
     /// None where half of all directions do not suffice.
@@ -77,6 +82,7 @@ impl<'a> Search<'a> {
         let most = self.f.nrows().min(self.f.ncols()) / 2;
         let (mut blocks, mut tested) = (0, 0);
         while self.right.len() <= most {
+            self.progress.advance(0)?;
             let closed = self.advance();
             blocks += 1;
             // What a test costs grows with Q: one every eighth of it.
@@ -96,11 +102,10 @@ impl<'a> Search<'a> {
     fn advance(&mut self) -> bool {
         let noise = f64::EPSILON * self.energy.sqrt();
         let (q, p) = (self.right.len(), self.left.len());
-        let mut images = Array2::zeros((self.block.nrows(), self.f.nrows()));
-        linalg::times_transposed_f64(self.block.view(), self.f, images.view_mut());
-        let coefficients = self.left.extend(images, noise);
+        let coefficients = self.left.extend(product_transposed(self.block.view(), self.f), noise);
         self.coefficients.slice_mut(s![q - self.block.nrows()..q, ..self.left.len()]).assign(&coefficients);
-        self.right.extend(product(self.left.since(p), self.f), noise);
+        let back = self.right.extend(product(self.left.since(p), self.f), noise);
+        self.back.slice_mut(s![p..self.left.len(), ..self.right.len()]).assign(&back);
         self.block = self.right.since(q).to_owned();
         self.block.is_empty()
     }
@@ -114,33 +119,35 @@ impl<'a> Search<'a> {
         squares.resize(squares.len().max(self.components + 1), 0.0);
         let bound = super::zero(self.f.dim());
         let pairs = Pairs::leading(&squares, spectrum.vectors.view(), self.components, bound * bound);
-        let known = self.right.view();
-        let vectors = product(pairs.vectors.view(), known.slice(s![..q, ..]));
+        let excess = self.excess(&pairs, coefficients, squares[self.components]);
+        let vectors = product(pairs.vectors.view(), self.right.view().slice(s![..q, ..]));
         let pairs = Pairs { vectors, ..pairs };
-        let converged = self.converged(&pairs, squares[self.components]);
+        let rounding = super::zero(self.f.dim()).powi(2) * self.energy;
+        let converged = excess <= rounding || excess <= EXCESS * self.left_over(&pairs);
         Ok((pairs, converged))
     }
 
-    fn converged(&self, pairs: &Pairs, next: f64) -> bool {
-        let mut images = Array2::zeros((pairs.squares.len(), self.f.nrows()));
-        linalg::times_transposed_f64(pairs.vectors.view(), self.f, images.view_mut());
-        let back = product(images.view(), self.f);
+    /// By how much the energy of pairs, whose vectors are given as w, can be short of the best.
+    fn excess(&self, pairs: &Pairs, coefficients: ArrayView2<f64>, next: f64) -> f64 {
+        let images = product(pairs.vectors.view(), coefficients.as_standard_layout().view());
+        let back = self.back.slice(s![..self.left.len(), ..self.right.len()]);
+        let mut residuals = product(images.view(), back.as_standard_layout().view());
         let short = |(i, &square): (usize, &f64)| {
-            let residual = norm((&back.row(i) - &(&pairs.vectors.row(i) * square)).view());
-            shortfall(residual, square - next)
+            let mut residual = residuals.row_mut(i);
+            let w = pairs.vectors.row(i);
+            residual.slice_mut(s![..w.len()]).scaled_add(-square, &w);
+            shortfall(norm(residual.view()), square - next)
         };
-        let excess: f64 = pairs.squares.iter().enumerate().map(short).sum();
-        let rounding = super::zero(self.f.dim()).powi(2) * self.energy;
-        excess <= rounding || excess <= EXCESS * self.left_over(pairs, images.view())
+        pairs.squares.iter().enumerate().map(short).sum()
     }
 
     /// ‖F − F VᵀV‖².
-    fn left_over(&self, pairs: &Pairs, images: ArrayView2<f64>) -> f64 {
+    fn left_over(&self, pairs: &Pairs) -> f64 {
         let difference = self.energy - pairs.squares.iter().sum::<f64>();
         if difference > 1e-6 * self.energy {
             return difference;
         }
-        let images = images.t().as_standard_layout().into_owned();
+        let images = product_transposed(self.f, pairs.vectors.view());
         let rest = product(images.view(), pairs.vectors.view()) - self.f;
         rest.iter().map(|v| v * v).sum()
     }

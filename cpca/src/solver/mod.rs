@@ -26,11 +26,14 @@ mod svd;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use basis::product_transposed;
 pub use subspace::leading_of_gram;
 
 use crate::params::Solver;
+use basis::product;
 use ndarray::{Array2, ArrayView1, ArrayView2, Axis};
-use prt_transfer::{Error, Result};
+use prt_transfer::progress::Quiet;
+use prt_transfer::{Error, Progress, Result};
 use scale::Scale;
 
 /// Leading right singular pairs of rows F (m x n).
@@ -76,18 +79,35 @@ pub trait EigenSolver: Sync {
 impl Solver {
     /// What computes it.
     pub fn solver(self) -> Box<dyn EigenSolver + Send> {
-        match self {
-            Solver::Auto => Box::new(Prepared(auto::leading)),
-            Solver::Power => Box::new(Prepared(power::leading)),
-            Solver::Krylov => Box::new(Prepared(krylov::leading)),
-            Solver::Gram => Box::new(Prepared(gram::leading)),
-            Solver::Svd => Box::new(Prepared(svd::leading)),
-        }
+        self.watched(&Quiet)
+    }
+
+    /// What computes it, and asks after each step whether to stop (by [`Progress::advance`] of 0 units); direct methods are one step.
+    pub fn watched(self, progress: &dyn Progress) -> Box<dyn EigenSolver + Send + '_> {
+        let solve = match self {
+            Solver::Auto => auto::leading,
+            Solver::Power => power::leading,
+            Solver::Krylov => krylov::leading,
+            Solver::Gram => gram::leading,
+            Solver::Svd => svd::leading,
+        };
+        Box::new(Prepared { solve, progress })
     }
 }
 
-/// F with elements of magnitude 1 to 2 at most, row-major; 1 to min(m, n) components; a guess with n finite columns.
-type Solve = fn(ArrayView2<f64>, usize, Option<ArrayView2<f64>>) -> Result<Pairs>;
+/// What is asked of a method.
+#[derive(Clone, Copy)]
+struct Question<'a> {
+    /// F with elements of magnitude 1 to 2 at most, row-major.
+    f: ArrayView2<'a, f64>,
+    /// 1 to min(m, n).
+    components: usize,
+    /// A guess with n finite columns.
+    start: Option<ArrayView2<'a, f64>>,
+    progress: &'a dyn Progress,
+}
+
+type Solve = fn(Question) -> Result<Pairs>;
 
 /// Pairs by descending square, those of zero left out, and iterations.
 struct Pairs {
@@ -107,9 +127,12 @@ impl Pairs {
 }
 
 /// What all solvers have in common: checks, scale, signs, residual.
-struct Prepared(Solve);
+struct Prepared<'a> {
+    solve: Solve,
+    progress: &'a dyn Progress,
+}
 
-impl EigenSolver for Prepared {
+impl EigenSolver for Prepared<'_> {
     fn leading(&self, rows: ArrayView2<f64>, components: usize, start: Option<ArrayView2<f64>>) -> Result<Principal> {
         let (m, n) = rows.dim();
         let start = checked(start, n)?;
@@ -118,9 +141,10 @@ impl EigenSolver for Prepared {
         if components == 0 || scale.is_zero() {
             return Ok(Principal::empty(n));
         }
-        let mut pairs = (self.0)(rows.view(), components, start.as_ref().map(|s| s.view()))?;
+        let (start, progress) = (start.as_ref().map(|s| s.view()), self.progress);
+        let mut pairs = (self.solve)(Question { f: rows.view(), components, start, progress })?;
         fix_signs(&mut pairs.vectors);
-        let images = pairs.vectors.dot(&rows.t()).dot(&rows);
+        let images = product(product_transposed(pairs.vectors.view(), rows.view()).view(), rows.view());
         let residual = residual(&pairs, &images);
         let squares = pairs.squares.iter().map(|&s| scale.restore(s, 2)).collect::<Result<_>>()?;
         Ok(Principal { squares, vectors: pairs.vectors, residual, iterations: pairs.iterations })

@@ -9,8 +9,8 @@
 //! orthogonal to it finds the second, and FᵀF in single precision loses singular values below 1e-3 of the first. The
 //! block method cures all three.
 
-use super::Pairs;
-use ndarray::{Array1, Array2, ArrayView2, Axis};
+use super::{Pairs, Question};
+use ndarray::{Array1, Array2, Axis};
 use prt_transfer::random::Random;
 use prt_transfer::{Result, linalg};
 
@@ -19,13 +19,14 @@ const MOST: usize = 1000;
 /// ε: distance of two unit vectors at which they are one.
 const TOLERANCE: f32 = 1e-12;
 
-pub(super) fn leading(f: ArrayView2<f64>, components: usize, start: Option<ArrayView2<f64>>) -> Result<Pairs> {
+pub(super) fn leading(Question { f, components, start, progress }: Question) -> Result<Pairs> {
     let (m, n) = f.dim();
     let mut random = Random(0);
     let mut f = f.mapv(|v| v as f32);
     let bound = (4.0 * m.max(n) as f32 * f32::EPSILON).powi(2);
     let (mut found, mut iterations) = (Vec::<(f32, Array1<f32>)>::new(), 0);
     for p in 0..components {
+        progress.advance(0)?;
         let guess = start.filter(|s| p < s.nrows()).map(|s| s.row(p).mapv(|v| v as f32));
         // A_p = FᵀF (n x n) or F Fᵀ (m x m), formed anew of what is left.
         let tall = m > n;

@@ -14,6 +14,7 @@ pub(crate) use shared::MOST_ROWS;
 pub(crate) use slabs::Slabs;
 
 use crate::params::Start;
+use crate::tucker;
 use basis::Basis;
 use ndarray::Array2;
 use phases::{Search, alone};
@@ -119,15 +120,7 @@ fn first_view(tensor: &Slabs, rank: usize) -> Result<Array2<f32>> {
 
 /// Light coordinates (a row each) that hold nearly all of some of the samples; `None` where they would hardly be fewer.
 fn light_head(slabs: &Slabs) -> Result<Option<Array2<f32>>> {
-    let leading = products::leading(slabs.some(DECIDING).by_light(), slabs.lights)?;
-    let whole: f64 = leading.squares.iter().sum();
-    let mut left = whole;
-    let needed = leading.squares.iter().take_while(|square| {
-        let more = left > LEFT_OUT * whole;
-        left -= **square;
-        more
-    });
-    let size = needed.count().next_multiple_of(8);
-    let fewer = 4 * size <= 3 * slabs.lights && size <= leading.squares.len();
-    Ok(fewer.then(|| leading.single().slice(ndarray::s![..size, ..]).to_owned()))
+    let head = tucker::leading_rows(slabs.some(DECIDING).by_light(), LEFT_OUT)?;
+    let fewer = 4 * head.nrows() <= 3 * slabs.lights;
+    Ok(fewer.then(|| head.mapv(|v| v as f32)))
 }

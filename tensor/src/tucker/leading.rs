@@ -3,7 +3,7 @@
 use super::krylov::{self, Operator};
 use super::params::TuckerParams;
 use super::unfold::{Element, Unfolding, standard};
-use ndarray::{Array2, s};
+use ndarray::{Array2, ArrayView2, s};
 use prt_transfer::{Result, linalg};
 
 /// The smaller side of an unfolding up to which all eigenpairs of its Gram matrix are computed: 0.3 s at 1024, growing by the cube.
@@ -83,6 +83,14 @@ pub(super) fn leading<T: Element>(x: &Unfolding<T>, want: Want, params: &TuckerP
     if leading.converged { Ok(gram.of_rows(x, leading.vectors)) } else { gram.direct(x, want) }
 }
 
+/// As few right singular vectors of a matrix (orthonormal rows, one at least) as leave out no more than a part of its energy.
+pub(crate) fn leading_rows(matrix: ArrayView2<f32>, part: f64) -> Result<Array2<f64>> {
+    let x = matrix.into_dyn();
+    let x = Unfolding::new(&x, 1);
+    let want = Want { rank: usize::MAX, tail: part * x.energy() };
+    Ok(standard(leading(&x, want, &TuckerParams::default(), 1)?.vectors.t()))
+}
+
 /// The vectors wanted, by all eigenpairs.
 pub(super) fn direct<T: Element>(x: &Unfolding<T>, want: Want) -> Result<Leading> {
     Gram::of(x).direct(x, want)
@@ -134,4 +142,35 @@ pub(super) fn range<T: Element>(
 /// Modes differ in their sketches.
 fn seed(params: &TuckerParams, mode: usize) -> u64 {
     params.seed.wrapping_add((mode as u64) << 32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use prt_transfer::random::Random;
+
+    #[test]
+    fn leading_rows_leave_out_no_more_than_their_part_and_one_fewer_would() {
+        let mut random = Random(5);
+        // Singular values that fall by a tenth; the larger one is iterated.
+        for (m, n, rank) in [(60, 40, 30), (30, 200, 30), (1100, 1050, 60)] {
+            let [u, v] = [m, n].map(|size| Array2::from_shape_simple_fn((size, rank), || random.normal()));
+            let [u, v] = [linalg::orthonormal_columns(u.view()), linalg::orthonormal_columns(v.view())];
+            let value = |i: i32| 0.9f64.powi(i);
+            let scaled = Array2::from_shape_fn((m, rank), |(i, j)| u[[i, j]] * value(j as i32));
+            let matrix = scaled.dot(&v.t()).mapv(|x| x as f32);
+            let all: f64 = matrix.iter().map(|x| f64::from(*x).powi(2)).sum();
+            for part in [0.3, 0.01] {
+                let rows = leading_rows(matrix.view(), part).unwrap();
+                let eye = Array2::<f64>::eye(rows.nrows());
+                assert!((rows.dot(&rows.t()) - eye).iter().all(|d| d.abs() <= 1e-12), "{m} x {n}");
+                let wide = matrix.mapv(f64::from);
+                let left = (&wide - wide.dot(&rows.t()).dot(&rows)).iter().map(|d| d * d).sum::<f64>();
+                let best = |k: usize| (k..rank).map(|i| value(i as i32).powi(2)).sum::<f64>();
+                assert!(left <= part * all * (1.0 + 1e-6), "{m} x {n}: {left} of {all}");
+                assert!(best(rows.nrows() - 1) > part * all * (1.0 - 1e-6), "{m} x {n}: {} rows", rows.nrows());
+            }
+        }
+        assert_eq!(leading_rows(Array2::zeros((3, 4)).view(), 0.1).unwrap().dim(), (1, 4));
+    }
 }

@@ -52,6 +52,8 @@ pub use decompose::Decomposer;
 pub use params::{Algorithm, Order, Ranks, TuckerParams};
 pub use report::Report;
 
+pub(crate) use leading::leading_rows;
+
 use model::Model;
 use ndarray::{Array2, ArrayD};
 

@@ -3,6 +3,8 @@
 use super::*;
 use ndarray::array;
 use proptest::prelude::*;
+use prt_transfer::{Error, Progress, Result};
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 const ALL: [Solver; 5] = [Solver::Power, Solver::Krylov, Solver::Gram, Solver::Svd, Solver::Auto];
 
@@ -26,6 +28,28 @@ fn a_single_row_or_column_is_its_own_component() {
         assert!((row.vectors[[0, 1]] - 0.8).abs() < 1e-6 && (row.vectors[[0, 0]] + 0.6).abs() < 1e-6);
         let column = solve(solver, &array![[3.0], [-4.0], [0.0]], 2);
         assert!((column.squares[0] - 25.0).abs() < 1e-4 && column.vectors == array![[1.0]], "{solver:?}");
+    }
+}
+
+/// Stops what asks for the third time.
+struct Impatient(AtomicUsize);
+
+impl Progress for Impatient {
+    fn advance(&self, _: u64) -> Result<()> {
+        if self.0.fetch_add(1, Relaxed) < 2 { Ok(()) } else { Err(Error::Cancelled) }
+    }
+}
+
+#[test]
+fn solvers_that_iterate_stop_when_they_are_told_to() {
+    // Values so close that two blocks do not tell them apart.
+    let values: Vec<f64> = (0..80).map(|i| 1.0 - f64::from(i) * 1e-3).collect();
+    let (f, _) = with_spectrum(90, 80, &values, 4);
+    for (solver, iterates) in ALL.map(|solver| (solver, matches!(solver, Solver::Krylov | Solver::Power))) {
+        let asked = Impatient(AtomicUsize::new(0));
+        let found = solver.watched(&asked).leading(f.view(), 3, None);
+        assert!(found.is_ok() || matches!(found, Err(Error::Cancelled)), "{solver:?}");
+        assert!(!iterates || (found.is_err() && asked.0.into_inner() == 3), "{solver:?}");
     }
 }
 
