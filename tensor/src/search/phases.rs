@@ -83,7 +83,7 @@ impl Search<'_> {
         }
         self.converged &= converged;
         if sweeps == 0 {
-            refit(slabs, &mut state, &changed, ranks, INNER)?;
+            self.refit(slabs, &mut state, &changed, ranks, INNER)?;
         }
         Ok(state)
     }
@@ -98,7 +98,7 @@ impl Search<'_> {
         ranks: Ranks,
         candidates: &mut Option<Candidates>,
     ) -> Result<usize> {
-        refit(slabs, state, changed, ranks, INNER)?;
+        self.refit(slabs, state, changed, ranks, INNER)?;
         let whole: Vec<Array2<f32>> = state.bases.par_iter().map(|basis| basis.whole(slabs.views)).collect();
         let stacked = Stacked::of(&whole);
         let mut next = match candidates {
@@ -122,6 +122,34 @@ impl Search<'_> {
         Ok(moved)
     }
 
+    /// Fits the bases of clusters that have changed; the sum of squares that these keep.
+    fn refit(&self, slabs: &Slabs, state: &mut State, changed: &[bool], ranks: Ranks, sweeps: usize) -> Result<f64> {
+        let (groups, progress) = (Groups::of(&state.members, state.bases.len()), self.progress);
+        let fitted: Vec<Option<(Basis, f64)>> = state
+            .bases
+            .par_iter()
+            .enumerate()
+            .map(|(cluster, basis)| {
+                let group = groups.of_cluster(cluster);
+                if !changed[cluster] || group.is_empty() {
+                    return Ok(None);
+                }
+                progress.advance(0)?;
+                // A light basis of a lower rank is one that was fitted to fewer dimensions or members.
+                let most = ranks.light.min(slabs.lights);
+                let start = (basis.light.nrows() == most).then(|| basis.light.view());
+                let members = slabs.gathered(group);
+                fit(&members, start, ranks, sweeps).map(Some)
+            })
+            .collect::<Result<_>>()?;
+        let mut kept = 0.0;
+        for (basis, (next, of_next)) in state.bases.iter_mut().zip(fitted).filter_map(|(b, n)| n.map(|n| (b, n))) {
+            kept += of_next;
+            *basis = next;
+        }
+        Ok(kept)
+    }
+
     /// The approximation phase: all bases are refitted in turn, the dual ones last. `reduced` is the tensor in the first view basis.
     pub(super) fn approximated<'t>(
         &mut self,
@@ -137,7 +165,7 @@ impl Search<'_> {
                 view = refitted_view(tensor, &reduced, state, view.nrows())?;
                 reduced = tensor.in_views(view.view());
             }
-            let kept = refit(&reduced, state, &all, self.plan.ranks, 1)?;
+            let kept = self.refit(&reduced, state, &all, self.plan.ranks, 1)?;
             self.push(Phase::Approximation, self.plan.ranks.sample, kept, 0);
             self.progress.advance(1)?;
             converged = before - self.error() <= LITTLE * self.error();
@@ -185,33 +213,6 @@ pub(super) fn alone(reduced: &Slabs, state: State) -> Shared {
         }
     }
     Shared { bases, memberships: 1, members, weights, kept }
-}
-
-/// Fits the bases of clusters that have changed; the sum of squares that these keep.
-fn refit(slabs: &Slabs, state: &mut State, changed: &[bool], ranks: Ranks, sweeps: usize) -> Result<f64> {
-    let groups = Groups::of(&state.members, state.bases.len());
-    let fitted: Vec<Option<(Basis, f64)>> = state
-        .bases
-        .par_iter()
-        .enumerate()
-        .map(|(cluster, basis)| {
-            let group = groups.of_cluster(cluster);
-            if !changed[cluster] || group.is_empty() {
-                return Ok(None);
-            }
-            // A light basis of a lower rank is one that was fitted to fewer dimensions or members.
-            let most = ranks.light.min(slabs.lights);
-            let start = (basis.light.nrows() == most).then(|| basis.light.view());
-            let members = slabs.gathered(group);
-            fit(&members, start, ranks, sweeps).map(Some)
-        })
-        .collect::<Result<_>>()?;
-    let mut kept = 0.0;
-    for (basis, (next, of_next)) in state.bases.iter_mut().zip(fitted).filter_map(|(b, n)| n.map(|n| (b, n))) {
-        kept += of_next;
-        *basis = next;
-    }
-    Ok(kept)
 }
 
 /// An empty cluster takes the worse half of the members of the one that leaves most.
