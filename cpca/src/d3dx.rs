@@ -18,8 +18,8 @@ const HEADER: usize = 8;
 /// Bytes of a compressed PRT buffer, per vertex rather than per texel.
 ///
 /// # Errors
-/// A model that [`Model::check`] refuses, one without samples or lights, responses other than 1 or 3, or sizes beyond
-/// 32 bits.
+/// A model that [`Model::check`] refuses, one without samples or lights, responses other than 1 or 3, sizes beyond 32
+/// bits, or more than 2¹⁸ samples of one cluster without components.
 pub fn to_d3dx(model: &Model) -> Result<Vec<u8>> {
     model.check()?;
     let Shape { samples, responses, lights } = model.shape;
@@ -33,6 +33,9 @@ pub fn to_d3dx(model: &Model) -> Result<Vec<u8>> {
     }
     let clusters = model.clusters.len();
     let (n, most) = (model.dimension(), (0..clusters).map(|k| model.components(k)).max().unwrap_or_default());
+    if clusters == 1 && most == 0 && samples > MOST_WITHOUT_NUMBERS {
+        return Err(without_numbers(samples as u64));
+    }
     let mut bytes = Vec::new();
     for number in [samples, lights, responses, 0, 0, 0, clusters, most] {
         let number = u32::try_from(number).map_err(|_| Error::TooLarge {
@@ -62,8 +65,8 @@ pub fn to_d3dx(model: &Model) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Samples of one cluster without components, which take no bytes: as many as rows that any `.prt` file may have.
-const MOST_WITHOUT_NUMBERS: u128 = 1 << 24;
+/// Samples of one cluster without components: no byte stands for them, and whoever reads them takes them one by one.
+const MOST_WITHOUT_NUMBERS: usize = 1 << 18;
 
 /// The model of a compressed PRT buffer. Texture sizes are checked and forgotten: samples are texels row by row.
 ///
@@ -95,9 +98,8 @@ pub fn from_d3dx(bytes: &[u8]) -> Result<Model> {
         return Err(broken("length", expected, format!("{found} numbers")));
     }
     // Without components and with one cluster nothing else is there of a sample.
-    if weights + ids == 0 && samples > MOST_WITHOUT_NUMBERS {
-        let expected = format!("at most {MOST_WITHOUT_NUMBERS} samples that have no numbers");
-        return Err(broken("header", expected, samples.to_string()));
+    if weights + ids == 0 && samples > MOST_WITHOUT_NUMBERS as u128 {
+        return Err(without_numbers(samples as u64));
     }
     // The numbers are there, so that their counts fit memory.
     let shape = Shape::new(samples as usize, responses as usize, lights as usize)?;
@@ -132,6 +134,11 @@ pub fn change_phase(model: &mut Model) {
             }
         }
     }
+}
+
+fn without_numbers(found: u64) -> Error {
+    let what = "samples of a D3DX compressed PRT buffer that has no numbers of them".into();
+    Error::TooLarge { what, limit: MOST_WITHOUT_NUMBERS as u64, found }
 }
 
 fn broken(place: &str, expected: impl Into<String>, found: impl Into<String>) -> Error {
@@ -251,9 +258,15 @@ mod tests {
 
     #[test]
     fn samples_that_take_no_bytes_are_bounded() {
-        let mut bytes = to_d3dx(&model([6, 1, 4], &[0])).unwrap();
-        bytes[..4].copy_from_slice(&u32::MAX.to_le_bytes());
-        assert!(from_d3dx(&bytes).unwrap_err().to_string().contains("expected at most 16777216 samples"));
+        let bytes = |samples: usize| to_d3dx(&model([samples, 1, 4], &[0]));
+        let (mut most, refused) =
+            (bytes(MOST_WITHOUT_NUMBERS).unwrap(), |found| matches!(found, Error::TooLarge { .. }));
+        assert_eq!(from_d3dx(&most).unwrap().members.len(), MOST_WITHOUT_NUMBERS);
+        assert!(refused(bytes(MOST_WITHOUT_NUMBERS + 1).unwrap_err()));
+        for samples in [MOST_WITHOUT_NUMBERS as u32 + 1, u32::MAX] {
+            most[..4].copy_from_slice(&samples.to_le_bytes());
+            assert!(refused(from_d3dx(&most).unwrap_err()));
+        }
     }
 
     proptest! {
