@@ -89,7 +89,7 @@ pub(crate) fn search(tensor: &Slabs, plan: &Plan, progress: &dyn Progress) -> Re
     let whole: f64 = tensor.squares().iter().sum();
     let view = first_view(tensor, plan.view)?;
     let reduced = tensor.in_views(view.view());
-    let head = light_head(&reduced)?;
+    let head = light_head(&reduced, progress)?;
     let mut search = Search { plan, progress, whole, history: Vec::new(), converged: true };
     let mut state = match &head {
         Some(head) => search.clustered(&reduced.with_lights(head.view()))?,
@@ -119,8 +119,8 @@ fn first_view(tensor: &Slabs, rank: usize) -> Result<Array2<f32>> {
 }
 
 /// Light coordinates (a row each) that hold nearly all of some of the samples; `None` where they would hardly be fewer.
-fn light_head(slabs: &Slabs) -> Result<Option<Array2<f32>>> {
-    let head = tucker::leading_rows(slabs.some(DECIDING).by_light(), LEFT_OUT)?;
+fn light_head(slabs: &Slabs, progress: &dyn Progress) -> Result<Option<Array2<f32>>> {
+    let head = tucker::leading_rows(slabs.some(DECIDING).by_light(), LEFT_OUT, progress)?;
     let fewer = 4 * head.nrows() <= 3 * slabs.lights;
     Ok(fewer.then(|| head.mapv(|v| v as f32)))
 }

@@ -30,7 +30,7 @@ impl Task<'_> {
             let projected = unfold::project(self.tensor.view(), &model.factors, Some(mode));
             let want = Want { rank: model.factors[mode].ncols(), tail: zero };
             let view = projected.view();
-            let leading = leading::leading(&Unfolding::new(&view, mode), want, self.params, mode)?;
+            let leading = leading::leading(&Unfolding::new(&view, mode), want, self.params, mode, self.progress)?;
             converged &= leading.converged;
             model.core = unfold::product(view, mode, leading.vectors.view());
             model.factors[mode] = leading.vectors;

@@ -21,8 +21,8 @@ pub(super) struct Operator<'a> {
     pub(super) size: usize,
     /// Its trace: all energy.
     pub(super) energy: f64,
-    /// G Q (n x k) for Q (n x k).
-    pub(super) apply: &'a dyn Fn(ArrayView2<f64>) -> Array2<f64>,
+    /// G Q (n x k) for Q (n x k), or an error that ends the iteration.
+    pub(super) apply: &'a dyn Fn(ArrayView2<f64>) -> Result<Array2<f64>>,
 }
 
 /// The vectors wanted (columns), from blocks of so many until the basis has `most` rows.
@@ -33,7 +33,7 @@ pub(super) fn leading(g: &Operator, want: Want, block: usize, most: usize, seed:
     let mut tested = 0;
     loop {
         let new = beyond(&q, next);
-        next = (g.apply)(new.view());
+        next = (g.apply)(new.view())?;
         q = stacked(&q, &new);
         images = stacked(&images, &next);
         let last = q.nrows() + block > most;
@@ -104,7 +104,7 @@ mod tests {
 
     fn run(values: &[f64], want: Want, block: usize, most: usize) -> (Leading, f64) {
         let (g, v) = symmetric(values);
-        let apply = |q: ArrayView2<f64>| times(g.view(), q);
+        let apply = |q: ArrayView2<f64>| Ok(times(g.view(), q));
         let operator = Operator { size: values.len(), energy: values.iter().sum(), apply: &apply };
         let leading = leading(&operator, want, block, most, 1).unwrap();
         let eye = Array2::<f64>::eye(leading.vectors.ncols());

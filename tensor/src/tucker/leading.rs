@@ -4,7 +4,7 @@ use super::krylov::{self, Operator};
 use super::params::TuckerParams;
 use super::unfold::{Element, Unfolding, standard};
 use ndarray::{Array2, ArrayView2, s};
-use prt_transfer::{Result, linalg};
+use prt_transfer::{Progress, Result, linalg};
 
 /// The smaller side of an unfolding up to which all eigenpairs of its Gram matrix are computed: 0.3 s at 1024, growing by the cube.
 const DIRECT: usize = 1024;
@@ -61,8 +61,15 @@ pub(super) struct Leading {
     pub(super) converged: bool,
 }
 
-/// The vectors wanted, by all eigenpairs of the smaller Gram matrix or, where it is large, by iterating.
-pub(super) fn leading<T: Element>(x: &Unfolding<T>, want: Want, params: &TuckerParams, mode: usize) -> Result<Leading> {
+/// The vectors wanted, by all eigenpairs of the smaller Gram matrix or, where it is large, by iterating, which asks before each product
+/// whether to stop.
+pub(super) fn leading<T: Element>(
+    x: &Unfolding<T>,
+    want: Want,
+    params: &TuckerParams,
+    mode: usize,
+    progress: &dyn Progress,
+) -> Result<Leading> {
     let smaller = x.rows().min(x.columns());
     let block = if want.is_open() { FIRST } else { want.rank + params.oversampling };
     if smaller <= DIRECT || BLOCKS * block > smaller {
@@ -70,7 +77,8 @@ pub(super) fn leading<T: Element>(x: &Unfolding<T>, want: Want, params: &TuckerP
     }
     let seed = seed(params, mode);
     if smaller > GRAM {
-        let g = Operator { size: x.rows(), energy: x.energy(), apply: &|q| x.gram_times(q) };
+        let apply = |q: ArrayView2<f64>| progress.advance(0).map(|()| x.gram_times(q));
+        let g = Operator { size: x.rows(), energy: x.energy(), apply: &apply };
         let leading = krylov::leading(&g, want, block, smaller / 2, seed)?;
         // A bound is kept whatever it costs; of a number of vectors those found are reported as they are.
         return if leading.converged || !want.is_open() { Ok(leading) } else { direct(x, want) };
@@ -78,17 +86,18 @@ pub(super) fn leading<T: Element>(x: &Unfolding<T>, want: Want, params: &TuckerP
     let gram = Gram::of(x);
     let view = gram.matrix.view().into_dyn();
     let matrix = Unfolding::new(&view, 0);
-    let g = Operator { size: smaller, energy: gram.matrix.diag().sum(), apply: &|q| matrix.times(q) };
+    let apply = |q: ArrayView2<f64>| progress.advance(0).map(|()| matrix.times(q));
+    let g = Operator { size: smaller, energy: gram.matrix.diag().sum(), apply: &apply };
     let leading = krylov::leading(&g, want, block, smaller / 4, seed)?;
     if leading.converged { Ok(gram.of_rows(x, leading.vectors)) } else { gram.direct(x, want) }
 }
 
 /// As few right singular vectors of a matrix (orthonormal rows, one at least) as leave out no more than a part of its energy.
-pub(crate) fn leading_rows(matrix: ArrayView2<f32>, part: f64) -> Result<Array2<f64>> {
+pub(crate) fn leading_rows(matrix: ArrayView2<f32>, part: f64, progress: &dyn Progress) -> Result<Array2<f64>> {
     let x = matrix.into_dyn();
     let x = Unfolding::new(&x, 1);
     let want = Want { rank: usize::MAX, tail: part * x.energy() };
-    Ok(standard(leading(&x, want, &TuckerParams::default(), 1)?.vectors.t()))
+    Ok(standard(leading(&x, want, &TuckerParams::default(), 1, progress)?.vectors.t()))
 }
 
 /// The vectors wanted, by all eigenpairs.
@@ -147,6 +156,7 @@ fn seed(params: &TuckerParams, mode: usize) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use prt_transfer::progress::Quiet;
     use prt_transfer::random::Random;
 
     #[test]
@@ -161,7 +171,7 @@ mod tests {
             let matrix = scaled.dot(&v.t()).mapv(|x| x as f32);
             let all: f64 = matrix.iter().map(|x| f64::from(*x).powi(2)).sum();
             for part in [0.3, 0.01] {
-                let rows = leading_rows(matrix.view(), part).unwrap();
+                let rows = leading_rows(matrix.view(), part, &Quiet).unwrap();
                 let eye = Array2::<f64>::eye(rows.nrows());
                 assert!((rows.dot(&rows.t()) - eye).iter().all(|d| d.abs() <= 1e-12), "{m} x {n}");
                 let wide = matrix.mapv(f64::from);
@@ -171,6 +181,6 @@ mod tests {
                 assert!(best(rows.nrows() - 1) > part * all * (1.0 - 1e-6), "{m} x {n}: {} rows", rows.nrows());
             }
         }
-        assert_eq!(leading_rows(Array2::zeros((3, 4)).view(), 0.1).unwrap().dim(), (1, 4));
+        assert_eq!(leading_rows(Array2::zeros((3, 4)).view(), 0.1, &Quiet).unwrap().dim(), (1, 4));
     }
 }

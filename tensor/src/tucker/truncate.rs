@@ -38,7 +38,7 @@ impl Task<'_> {
         let (mut factors, mut converged) = (Vec::new(), true);
         for mode in 0..self.tensor.ndim() {
             let x = Unfolding::new(&self.tensor, mode);
-            let leading = leading::leading(&x, self.want(mode, share), self.params, mode)?;
+            let leading = leading::leading(&x, self.want(mode, share), self.params, mode, self.progress)?;
             factors.push(leading.vectors);
             converged &= leading.converged;
             self.progress.advance(1)?;
@@ -74,7 +74,7 @@ impl Task<'_> {
         {
             return Ok(step);
         }
-        let leading = leading::leading(&Unfolding::new(&tensor, mode), want, self.params, mode)?;
+        let leading = leading::leading(&Unfolding::new(&tensor, mode), want, self.params, mode, self.progress)?;
         let next = unfold::product(tensor, mode, leading.vectors.view());
         Ok((leading, next))
     }
