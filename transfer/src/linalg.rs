@@ -109,6 +109,8 @@ pub fn times_on_all(a: ArrayView2<f64>, b: ArrayView2<f64>, mut out: ArrayViewMu
 const STRIP: usize = 256;
 
 fn in_strips(out: MatMut<f64>, a: MatRef<f64>, b: MatRef<f64>) {
+    // A product checks its strip only.
+    assert_eq!((out.nrows(), out.ncols(), a.ncols()), (a.nrows(), b.ncols(), b.nrows()), "sizes of a product");
     out.par_col_chunks_mut(STRIP).enumerate().for_each(|(strip, out)| {
         let b = b.subcols(strip * STRIP, out.ncols());
         matmul(out, Accum::Replace, a, b, 1.0, Par::Seq);
@@ -269,6 +271,26 @@ mod tests {
     pub(super) fn close(a: &Array2<f64>, b: &Array2<f64>, bound: f64) {
         let worst = (a - b).iter().fold(0f64, |worst, d| worst.max(d.abs()));
         assert!(worst <= bound, "{worst:e}");
+    }
+
+    #[test]
+    fn products_on_all_threads_are_the_whole_products() {
+        for columns in [0, 1, STRIP, 2 * STRIP + 3] {
+            let (a, b) = (matrix(7, 12), matrix(12, columns));
+            let mut product = Array2::ones((7, columns));
+            times_on_all(a.view(), b.view(), product.view_mut());
+            close(&product, &a.dot(&b), 1e-12);
+            let rows = b.t().as_standard_layout().into_owned();
+            product.fill(1.0);
+            times_transposed_on_all(a.view(), rows.view(), product.view_mut());
+            close(&product, &a.dot(&b), 1e-12);
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "sizes of a product")]
+    fn a_factor_of_too_many_columns_is_no_factor_of_a_product_on_all_threads() {
+        times_on_all(matrix(2, 3).view(), matrix(3, 5).view(), Array2::zeros((2, 4)).view_mut());
     }
 
     #[test]
