@@ -177,6 +177,20 @@ fn operations_equal_the_closed_formula() {
 }
 
 #[test]
+fn it_holds_the_roots_of_one_face_where_it_scales_and_nothing_else() {
+    for resolution in [1, 8, 32] {
+        assert_eq!(bind(resolution, HaarParams::default()).derived_bytes(), 0);
+        assert_eq!(bind(resolution, scaled(Scale::Sphere)).derived_bytes(), 2 * 4 * resolution * resolution);
+    }
+}
+
+#[test]
+fn it_is_what_its_parameters_say() {
+    let params = HaarParams { light_terms: 7, light_select: LightSelect::Area, scale: Scale::Sphere };
+    assert_eq!(Haar::new(params.clone()).unwrap().params(), &params);
+}
+
+#[test]
 fn what_it_is_not_defined_on_is_refused() {
     let haar = Haar::new(HaarParams::default()).unwrap();
     for basis in ["cubemap:3", "cubemap:48", "latlong:64x32", "sh:5", "plain:6"] {

@@ -130,8 +130,18 @@ fn sections_that_break_the_layout_are_refused_by_name() {
         ("weights/steps", |s| with(s, "weights/steps", |n: &mut Vec<f32>| n[2] = -1.0)),
         ("weights/steps", |s| with(s, "weights/steps", |n: &mut Vec<f32>| n[2] = f32::MAX)),
     ];
-    for (label, changes) in [("truncate:terms=3", rows), ("truncate:terms=9:order=columns:bits=16", columns)] {
-        let compressed = encode(label, &cubemap(5));
+    // Blocks of rows: the second and last has six, and it alone can begin before the first ends.
+    let blocks: &[(&str, Change)] = &[
+        ("index/blocks", |s| with(s, "index/blocks", |n: &mut Vec<[u32; 2]>| n[1][0] = n[2][0] + 1)),
+        ("index/blocks", |s| with(s, "index/blocks", |n: &mut Vec<[u32; 2]>| n[1][1] = n[2][1] + 1)),
+        ("index/rows", |s| with(s, "index/rows", |n: &mut Vec<u16>| *n.last_mut().unwrap() = 6)),
+    ];
+    for (label, samples, changes) in [
+        ("truncate:terms=3", 5, rows),
+        ("truncate:terms=9:order=columns:bits=16", 5, columns),
+        ("truncate:terms=9:order=columns", 1030, blocks),
+    ] {
+        let compressed = encode(label, &cubemap(samples));
         let sections = compressed.sections().into_sections();
         for (i, (name, change)) in changes.iter().enumerate() {
             let error = registry().restore(&compressed.header(), change(&sections)).map(|_| ()).unwrap_err();

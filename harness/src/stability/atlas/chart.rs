@@ -16,8 +16,8 @@ pub fn chart(part: &Part, outcomes: &[Outcome]) -> Panels {
     Panels {
         title: format!("{}: what fails, and where", part.title),
         subject: format!(
-            "from harmless, left, to hopeless, right; less is better; what is below {:.0e} lies there",
-            DRAWN[0]
+            "from harmless, left, to hopeless, right; less is better; what is below {:.0e} or above {:.0e} lies there",
+            DRAWN[0], DRAWN[1]
         ),
         methods: NAMES.map(String::from).into(),
         panels: outcomes.iter().map(panel).collect(),
