@@ -116,3 +116,25 @@ impl Rounding {
         if self.is_exact() { value } else { (self.decode)(value, step) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn no_magnitude_is_further_than_half_a_step_from_what_is_stored(most in 1u32..0x7f00_0000, small in 1u32..0x0100_0000, part in -1f32..=1.0, bits in prop_oneof![Just(8), Just(16)]) {
+            // Small ones are below 2^-126 or not much above, where steps are coarse.
+            for most in [most, small].map(f32::from_bits) {
+                let rounding = Rounding::of_bits(bits);
+                let step = rounding.step([most, part * most].into_iter());
+                for value in [most, -most, part * most] {
+                    let error = f64::from(rounding.decoded(value, step)) - f64::from(value);
+                    // Division and product round once each where the step is a normal number.
+                    prop_assert!(error.abs() <= f64::from(step) * 0.51, "{value:e} in steps of {step:e}: {error:e}");
+                }
+            }
+        }
+    }
+}

@@ -121,6 +121,6 @@ fn first_view(tensor: &Slabs, rank: usize) -> Result<Array2<f32>> {
 /// Light coordinates (a row each) that hold nearly all of some of the samples; `None` where they would hardly be fewer.
 fn light_head(slabs: &Slabs, progress: &dyn Progress) -> Result<Option<Array2<f32>>> {
     let head = tucker::leading_rows(slabs.some(DECIDING).by_light(), LEFT_OUT, progress)?;
-    let fewer = 4 * head.nrows() <= 3 * slabs.lights;
-    Ok(fewer.then(|| head.mapv(|v| v as f32)))
+    let fewer = head.filter(|head| 4 * head.nrows() <= 3 * slabs.lights);
+    Ok(fewer.map(|head| head.mapv(|v| v as f32)))
 }

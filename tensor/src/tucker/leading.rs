@@ -61,8 +61,7 @@ pub(super) struct Leading {
     pub(super) converged: bool,
 }
 
-/// The vectors wanted, by all eigenpairs of the smaller Gram matrix or, where it is large, by iterating, which asks before each product
-/// whether to stop.
+/// The vectors wanted, whatever they cost: by [`few`], else by all eigenpairs.
 pub(super) fn leading<T: Element>(
     x: &Unfolding<T>,
     want: Want,
@@ -70,18 +69,30 @@ pub(super) fn leading<T: Element>(
     mode: usize,
     progress: &dyn Progress,
 ) -> Result<Leading> {
+    few(x, want, params, mode, progress)?.map_or_else(|| direct(x, want), Ok)
+}
+
+/// The vectors wanted, by all eigenpairs of the smaller Gram matrix or, where it is large, by iterating, which asks before each product
+/// whether to stop; `None` where more than half of those of a Gram matrix too large to compute would be needed.
+fn few<T: Element>(
+    x: &Unfolding<T>,
+    want: Want,
+    params: &TuckerParams,
+    mode: usize,
+    progress: &dyn Progress,
+) -> Result<Option<Leading>> {
     let smaller = x.rows().min(x.columns());
     let block = if want.is_open() { FIRST } else { want.rank + params.oversampling };
     if smaller <= DIRECT || BLOCKS * block > smaller {
-        return direct(x, want);
+        return direct(x, want).map(Some);
     }
     let seed = seed(params, mode);
     if smaller > GRAM {
         let apply = |q: ArrayView2<f64>| progress.advance(0).map(|()| x.gram_times(q));
         let g = Operator { size: x.rows(), energy: x.energy(), apply: &apply };
         let leading = krylov::leading(&g, want, block, smaller / 2, seed)?;
-        // A bound is kept whatever it costs; of a number of vectors those found are reported as they are.
-        return if leading.converged || !want.is_open() { Ok(leading) } else { direct(x, want) };
+        // Of a number of vectors those found are reported as they are.
+        return Ok((leading.converged || !want.is_open()).then_some(leading));
     }
     let gram = Gram::of(x);
     let view = gram.matrix.view().into_dyn();
@@ -89,15 +100,17 @@ pub(super) fn leading<T: Element>(
     let apply = |q: ArrayView2<f64>| progress.advance(0).map(|()| matrix.times(q));
     let g = Operator { size: smaller, energy: gram.matrix.diag().sum(), apply: &apply };
     let leading = krylov::leading(&g, want, block, smaller / 4, seed)?;
-    if leading.converged { Ok(gram.of_rows(x, leading.vectors)) } else { gram.direct(x, want) }
+    if leading.converged { Ok(Some(gram.of_rows(x, leading.vectors))) } else { gram.direct(x, want).map(Some) }
 }
 
-/// As few right singular vectors of a matrix (orthonormal rows, one at least) as leave out no more than a part of its energy.
-pub(crate) fn leading_rows(matrix: ArrayView2<f32>, part: f64, progress: &dyn Progress) -> Result<Array2<f64>> {
+/// As few right singular vectors of a matrix (orthonormal rows, one at least) as leave out no more than a part of its energy; `None` where they
+/// would be more than half of many.
+pub(crate) fn leading_rows(matrix: ArrayView2<f32>, part: f64, progress: &dyn Progress) -> Result<Option<Array2<f64>>> {
     let x = matrix.into_dyn();
     let x = Unfolding::new(&x, 1);
     let want = Want { rank: usize::MAX, tail: part * x.energy() };
-    Ok(standard(leading(&x, want, &TuckerParams::default(), 1, progress)?.vectors.t()))
+    let leading = few(&x, want, &TuckerParams::default(), 1, progress)?;
+    Ok(leading.map(|leading| standard(leading.vectors.t())))
 }
 
 /// The vectors wanted, by all eigenpairs.
@@ -171,7 +184,7 @@ mod tests {
             let matrix = scaled.dot(&v.t()).mapv(|x| x as f32);
             let all: f64 = matrix.iter().map(|x| f64::from(*x).powi(2)).sum();
             for part in [0.3, 0.01] {
-                let rows = leading_rows(matrix.view(), part, &Quiet).unwrap();
+                let rows = leading_rows(matrix.view(), part, &Quiet).unwrap().unwrap();
                 let eye = Array2::<f64>::eye(rows.nrows());
                 assert!((rows.dot(&rows.t()) - eye).iter().all(|d| d.abs() <= 1e-12), "{m} x {n}");
                 let wide = matrix.mapv(f64::from);
@@ -181,6 +194,6 @@ mod tests {
                 assert!(best(rows.nrows() - 1) > part * all * (1.0 - 1e-6), "{m} x {n}: {} rows", rows.nrows());
             }
         }
-        assert_eq!(leading_rows(Array2::zeros((3, 4)).view(), 0.1, &Quiet).unwrap().dim(), (1, 4));
+        assert_eq!(leading_rows(Array2::zeros((3, 4)).view(), 0.1, &Quiet).unwrap().unwrap().dim(), (1, 4));
     }
 }
