@@ -129,6 +129,8 @@ fn sections_that_break_the_layout_are_refused_by_name() {
         ("index/rows", |s| with(s, "index/rows", |n: &mut Vec<u16>| n[1] = n[0])),
         ("weights/steps", |s| with(s, "weights/steps", |n: &mut Vec<f32>| n[2] = -1.0)),
         ("weights/steps", |s| with(s, "weights/steps", |n: &mut Vec<f32>| n[2] = f32::MAX)),
+        // 32,767 steps are finite, 32,768 are not.
+        ("weights/steps", |s| with(s, "weights/steps", |n: &mut Vec<f32>| n[2] = f32::MAX / 32_767.5)),
     ];
     // Blocks of rows: the second and last has six, and it alone can begin before the first ends.
     let blocks: &[(&str, Change)] = &[

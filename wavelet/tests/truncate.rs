@@ -152,6 +152,55 @@ proptest! {
     }
 }
 
+/// Magnitudes of 0.1 to 1, all different, none of which 8 bits round to zero.
+fn many_rows() -> Vec<f32> {
+    let signs = [1.0, -1.0, -1.0];
+    (0..1100 * 7).map(|i| signs[i % 3] * (0.1 + 0.9 * ((i * 3571) % 7700) as f32 / 7700.0)).collect()
+}
+
+#[test]
+fn the_fewest_of_many_rows_keep_a_bound_with_what_rounding_costs() {
+    let values = many_rows();
+    let matrix = dense(&values, 1100);
+    for bits in [8, 16, 32] {
+        let all = decode(&encode(&format!("truncate:terms=0:bits={bits}"), &matrix).unwrap());
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|&a, &b| values[b].abs().total_cmp(&values[a].abs()));
+        // errors[k]: of keeping the k largest.
+        let mut errors = vec![energy(&values)];
+        for i in order {
+            let (square, rounded) = (f64::from(values[i]).powi(2), (f64::from(all[i]) - f64::from(values[i])).powi(2));
+            errors.push(errors.last().unwrap() - square + rounded);
+        }
+        for bound in [1e-3, 0.1, 0.5] {
+            let limit = bound * energy(&values);
+            let decoded = decode(&encode(&format!("truncate:max_error={bound}:bits={bits}"), &matrix).unwrap());
+            let fewest = |limit: f64| errors.iter().position(|&error| error <= limit).unwrap();
+            let range = fewest(limit)..=fewest(limit * (1.0 - 2e-6));
+            assert!(range.contains(&kept(&decoded)), "{bits} bits, {bound}: {} of {range:?}", kept(&decoded));
+            assert!(squared_error(&values, &decoded) <= limit);
+        }
+    }
+}
+
+#[test]
+fn the_least_bound_that_is_told_is_one_that_can_be_kept() {
+    let matrix = dense(&many_rows(), 1100);
+    let refusal = |bound: f64| {
+        encode(&format!("truncate:max_error={bound}:bits=8"), &matrix).map(|_| ()).map_err(|e| e.to_string())
+    };
+    let told = refusal(1e-9).unwrap_err();
+    let least: f64 = told.split("at least ").nth(1).unwrap().split(',').next().unwrap().parse().unwrap();
+    assert_eq!(refusal(least * (1.0 + 1e-9)), Ok(()), "{told}");
+    assert!(refusal(least * (1.0 - 1e-9)).is_err(), "{told}");
+}
+
+#[test]
+fn two_million_equal_elements_do_not_exceed_a_bound_by_one() {
+    let decoded = decode(&encode("truncate:max_error=0.5", &dense(&vec![1.0; 2_000_000], 2000)).unwrap());
+    assert!((1_000_000..=1_000_002).contains(&kept(&decoded)), "{}", kept(&decoded));
+}
+
 #[test]
 fn ties_are_dropped_evenly_over_the_rows() {
     let decoded = decode(&encode("truncate:max_error=0.501", &dense(&[1.0; 400], 20)).unwrap());

@@ -148,3 +148,20 @@ fn an_infinite_coefficient_reaches_only_the_rows_that_have_its_column() {
         assert!(out.indexed_iter().all(|((r, _), &y)| y == lights[[r % 2, 0]]), "{out}");
     }
 }
+
+#[test]
+fn every_row_and_channel_is_multiplied_once_however_many_there_are() {
+    /// Row r has one element, r + 1, in column r mod 5.
+    struct Diagonal;
+    impl RowKernel for Diagonal {
+        fn product<const N: usize, C: Count>(&self, row: usize, x: &[[f32; N]], _: &mut C) -> [f32; N] {
+            x[row % 5].map(|x| (row + 1) as f32 * x)
+        }
+    }
+    for (rows, channels) in [(0, 1), (1, 2), (64, 3), (513, 4), (1300, 1), (1300, 9)] {
+        let lights = ndarray::Array2::from_shape_fn((5, channels), |(k, c)| (k * 10 + c) as f32);
+        let mut out = ndarray::Array2::from_elem((rows, channels), f32::NAN);
+        apply(&Diagonal, Shape::new(rows, 1, 5).unwrap(), lights.view(), out.view_mut()).unwrap();
+        assert!(out.indexed_iter().all(|((r, c), &y)| y == ((r + 1) * (r % 5 * 10 + c)) as f32), "{rows} x {channels}");
+    }
+}
