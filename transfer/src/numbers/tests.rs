@@ -1,8 +1,10 @@
 //! Numbers come back within their bounds.
 
 use super::*;
+use ndarray::Array2;
 use proptest::prelude::*;
 
+const WIDTHS: [Width; 3] = [Width::F32, Width::F16, Width::I16];
 const SECTIONS: Sections = Sections { numbers: "weights/numbers", scales: "weights/scales" };
 
 /// Finite numbers of every size, many of them near each other, some at the ends of `f32`.
@@ -23,8 +25,9 @@ proptest! {
     #[test]
     fn errors_keep_their_bounds_and_what_is_decoded_is_finite_and_read_again(values in vector()) {
         let largest = values.iter().fold(0f32, |m, v| m.max(v.abs()));
-        for width in [Width::F32, Width::F16, Width::I16] {
+        for width in WIDTHS {
             let numbers = stored(&values, width);
+            prop_assert_eq!((numbers.len(), numbers.is_empty()), (values.len(), values.is_empty()));
             let scale = f64::from(numbers.scale(0));
             for (&v, d) in values.iter().zip(numbers.decode(std::iter::repeat(0))) {
                 prop_assert!(d.is_finite());
@@ -46,10 +49,44 @@ proptest! {
             }
             let mut sink = Sink::new();
             numbers.write(&mut sink, SECTIONS);
+            let scales = if width == Width::F32 { 0 } else { 4 };
+            prop_assert_eq!(sink.resident_bytes(), width.bytes() * values.len() + scales);
             let mut source = Source::new(sink.into_sections()).unwrap();
             let count = [values.len(), 1];
             let read = Numbers::read(&mut source, SECTIONS, width, count, std::iter::repeat(0));
             prop_assert_eq!(read.unwrap(), numbers);
+        }
+    }
+
+    #[test]
+    fn a_range_is_unpacked_with_finite_numbers_behind_it(values in vector(), cut in (0f64..1.0, 0f64..1.0), spare in 0usize..9) {
+        let place = |part: f64| (part * (values.len() + 1) as f64) as usize;
+        let (from, to) = (place(cut.0.min(cut.1)), place(cut.0.max(cut.1)));
+        for width in WIDTHS {
+            let (numbers, mut buffer) = (stored(&values, width), vec![f32::NAN; 5]);
+            let unpacked = numbers.unpack(from..to, spare, &mut buffer);
+            prop_assert_eq!(unpacked.len(), to - from + spare);
+            prop_assert!(unpacked.iter().all(|v| v.is_finite()));
+            prop_assert!(unpacked.iter().zip(from..to).all(|(&v, at)| v == numbers.stored(at)));
+        }
+    }
+
+    #[test]
+    fn products_are_those_of_what_is_stored(values in prop::collection::vec(-9f32..9.0, 0..40), skipped in 0f64..1.0, channels in 1usize..6) {
+        // Rows of two numbers each, from any row on.
+        let rows = values.len() / 2;
+        let skipped = (skipped * (rows + 1) as f64) as usize;
+        for (width, unit) in WIDTHS.into_iter().zip([1.0, UNIT, UNIT]) {
+            let (numbers, shape) = (stored(&values, width), Shape::new(rows - skipped, 1, 2).unwrap());
+            prop_assert_eq!(numbers.unit(), unit);
+            let lights = Array2::from_shape_fn((2, channels), |(k, c)| 1.0 + (3 * k + c) as f32 / 8.0);
+            let mut out = Array2::from_elem((shape.rows(), channels), f32::NAN);
+            numbers.apply_stored(2 * skipped, shape, lights.view(), out.view_mut()).unwrap();
+            for ((row, c), &y) in out.indexed_iter() {
+                let term = |k: usize| f64::from(numbers.stored(2 * (skipped + row) + k) * unit * lights[[k, c]]);
+                let (sum, size) = (term(0) + term(1), term(0).abs() + term(1).abs());
+                prop_assert!((f64::from(y) - sum).abs() <= 1e-6 * size, "{width:?}: {y} for {sum}");
+            }
         }
     }
 
@@ -87,6 +124,14 @@ fn numbers_of_zero_and_of_one_size_come_back_exactly() {
             assert!(values[0] != 0.0 || decoded == values);
         }
     }
+}
+
+#[test]
+fn widths_have_the_codes_of_the_format() {
+    for (code, width) in WIDTHS.into_iter().enumerate() {
+        assert_eq!(Width::of_code(code as u32, "header").unwrap(), width);
+    }
+    assert!(Width::of_code(3, "header").is_err());
 }
 
 #[test]
