@@ -150,3 +150,47 @@ fn summed(of: &[f64], term: impl Fn(usize) -> f64) -> f64 {
     }
     sums.iter().sum::<f64>() + (whole..of.len()).map(term).sum::<f64>()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array2;
+    use prt_transfer::linalg;
+    use prt_transfer::random::Random;
+
+    #[test]
+    fn parts_are_the_sums_within_the_uncertainty_that_is_told() {
+        let (mut random, mut scratch) = (Random(2), Vec::new());
+        for n in [1, 2, 7, 16, 33, 100, 1001] {
+            for k in [0, 1, 3, 4, 5, 8, 9, 12, 19].into_iter().filter(|k| *k <= n) {
+                let v = linalg::orthonormal_columns(Array2::from_shape_simple_fn((n, k), || random.normal()).view());
+                let vectors: Vec<f32> = v.t().iter().map(|v| *v as f32).collect();
+                let mut draw = |size: f64| (0..n).map(|_| (size * random.normal()) as f32).collect::<Vec<f32>>();
+                let (x, mean) = (draw(1.0), draw(3.0));
+                let r: Vec<f64> = x.iter().zip(&mean).map(|(x, m)| f64::from(*x) - f64::from(*m)).collect();
+                let square: f64 = r.iter().map(|r| r * r).sum();
+                let along = |vector: &[f32]| vector.iter().zip(&r).map(|(v, r)| f64::from(*v) * r).sum::<f64>();
+                let explained: f64 = vectors.chunks(n).map(|vector| along(vector).powi(2)).sum();
+
+                let parts = Residual::new().parts(&x, &mean, &vectors, &mut scratch);
+                let tolerance = f64::from(Residual::uncertainty(n, k)) * square;
+                assert!((f64::from(parts.square) - square).abs() <= tolerance, "{n}, {k}: {} {square}", parts.square);
+                assert!((f64::from(parts.explained) - explained).abs() <= tolerance, "{n}, {k}: {}", parts.explained);
+                let left = explicit(&x, &mean, &vectors);
+                assert!((left - (square - explained)).abs() <= 1e-6 * square, "{n}, {k}: {left}");
+                assert!((f64::from(parts.square - parts.explained) - left).abs() <= tolerance, "{n}, {k}: {left}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_uncertainty_is_that_of_sums_in_four_strands() {
+        for (n, k) in [(1, 0), (16, 4), (6144, 64)] {
+            // Half an epsilon for each product and each sum, of the square and, twice, of the products with k vectors.
+            let strand = (n / 4 + 6) as f64 * 2f64.powi(-23) + 1e-6;
+            let expected = strand * (1.0 + 2.0 * f64::from(k).sqrt());
+            let told = f64::from(Residual::uncertainty(n, k as usize));
+            assert!((told - expected).abs() <= 1e-6 * expected, "{told} {expected}");
+        }
+    }
+}

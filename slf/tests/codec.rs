@@ -118,6 +118,23 @@ fn elements_are_those_of_rows_and_of_unit_lights_in_every_width() {
 }
 
 #[test]
+fn many_texels_are_relit_as_their_rows_are_into_any_output() {
+    // More than the texels of two tasks, the last one not full.
+    let matrix = noise(1300, 3, 9);
+    for colour in COLOURS {
+        let encoded = encoded(with(4, 3, colour), &matrix);
+        let decoded = Array2::from_shape_vec((matrix.rows(), 9), rows(&encoded)).unwrap();
+        let lights = Array2::from_shape_fn((9, 2), |(d, c)| 0.5 + (d * 7 + c * 3) as f32 / 64.0);
+        let (mut relit, mut gaps) = (Array2::zeros((matrix.rows(), 2)), Array2::zeros((matrix.rows(), 4)));
+        encoded.apply_into(lights.view(), relit.view_mut()).unwrap();
+        encoded.apply_into(lights.view(), gaps.slice_mut(ndarray::s![.., ..;2])).unwrap();
+        assert_eq!(gaps.slice(ndarray::s![.., ..;2]), relit);
+        let expected = decoded.dot(&lights);
+        assert!((&relit - &expected).iter().all(|d| d.abs() < 1e-5), "{colour:?}");
+    }
+}
+
+#[test]
 fn equal_channels_make_shared_separate_and_joint_clusters_the_same() {
     let grey = field(TEXELS, SPHERE, |uv, d, _| glossy(uv, d, 1));
     let decoded = COLOURS.map(|colour| rows(&encoded(with(5, 3, colour), &grey)));

@@ -165,3 +165,36 @@ fn every_row_and_channel_is_multiplied_once_however_many_there_are() {
         assert!(out.indexed_iter().all(|((r, c), &y)| y == ((r + 1) * (r % 5 * 10 + c)) as f32), "{rows} x {channels}");
     }
 }
+
+#[test]
+fn dense_products_of_many_rows_are_the_sums_in_every_form() {
+    // One task, several of one group of rows each, several of many with a rest; few and many lights.
+    for (rows, lights, channels) in [(3, 0, 1), (7, 5, 2), (9, 70_000, 3), (301, 1000, 4), (9001, 3, 6)] {
+        let value = |i: usize| f64::from((i * 37 + i / 91 * 11) as u16 % 101) / 4.0 - 12.0;
+        let codes: Vec<i16> = (0..rows * lights).map(|i| (4.0 * value(i)) as i16).collect();
+        let halves: Vec<f16> = codes.iter().map(|&c| f16::from_f32(c.into())).collect();
+        let values: Vec<f32> = codes.iter().map(|&c| f32::from(c) / 4.0).collect();
+        let light = ndarray::Array2::from_shape_fn((lights, channels), |(k, c)| ((k * 13 + c) % 29) as f32 - 14.0);
+        let shape = Shape::new(rows, 1, lights).unwrap();
+        let apply = |form: usize| {
+            let mut out = ndarray::Array2::from_elem((rows, channels), f32::NAN);
+            match form {
+                0 => dense::apply(&values, shape, light.view(), out.view_mut()),
+                1 => dense::apply_halves(&halves, 0.25, shape, light.view(), out.view_mut()),
+                _ => dense::apply_integers(&codes, 0.25, shape, light.view(), out.view_mut()),
+            }
+            .unwrap();
+            out
+        };
+        let wide = ndarray::Array2::from_shape_fn((rows, lights), |(r, k)| f64::from(values[r * lights + k]));
+        let (sums, sizes) =
+            (wide.dot(&light.mapv(f64::from)), wide.mapv(f64::abs).dot(&light.mapv(|x| f64::from(x.abs()))));
+        for (form, out) in (0..3).map(|form| (form, apply(form))) {
+            let within = out
+                .iter()
+                .zip(sums.iter().zip(&sizes))
+                .all(|(&y, (sum, size))| (f64::from(y) - sum).abs() <= 1e-6 * size);
+            assert!(within, "form {form}: {rows} x {lights} x {channels}");
+        }
+    }
+}
