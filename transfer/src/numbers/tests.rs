@@ -103,6 +103,9 @@ proptest! {
             let error = (f64::from(*value) - f64::from(decoded)).abs();
             prop_assert!(error <= steps[vector].max(finest) / 2.0 * (1.0 + 1e-6), "{value} {decoded} {vector}");
         }
+        // Nor is it finer than rounding to nine bits makes it.
+        let coarse = |(vector, step): (usize, &f64)| f64::from(numbers.scale(vector)) >= step * (1.0 - 2f64.powi(-8));
+        prop_assert!(steps.iter().enumerate().all(coarse));
         for numbers in [numbers, Numbers::store(&values, Width::F16, 3, vector_of.clone())] {
             let mut sink = Sink::new();
             numbers.write_sorted(&mut sink, SECTIONS, vector_of.clone());
@@ -132,6 +135,14 @@ fn widths_have_the_codes_of_the_format() {
         assert_eq!(Width::of_code(code as u32, "header").unwrap(), width);
     }
     assert!(Width::of_code(3, "header").is_err());
+}
+
+#[test]
+fn steps_that_are_none_are_as_fine_as_sixteen_bits_allow() {
+    let finest = stored(&[3.0, -1.0], Width::I16);
+    for step in [0.0, -1.0, f64::NAN, f64::INFINITY, f64::from(f32::MAX)] {
+        assert_eq!(Numbers::store_coarse(&[3.0, -1.0], &[step], std::iter::repeat(0)), finest, "{step}");
+    }
 }
 
 #[test]
