@@ -56,3 +56,34 @@ pub(crate) fn dot(a: &[f32], b: &[f32]) -> f32 {
     let rest: f32 = rest_of_a.iter().zip(rest_of_b).map(|(a, b)| a * b).sum();
     sums.iter().sum::<f32>() + rest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use prt_transfer::random::Random;
+
+    fn close(found: f64, terms: impl Iterator<Item = f64>) -> bool {
+        let (sum, size) = terms.fold((0.0, 0.0), |(sum, size), term| (sum + term, size + term.abs()));
+        (found - sum).abs() <= 1e-5 * size
+    }
+
+    #[test]
+    fn products_are_their_sums_for_every_number_of_components_and_directions() {
+        let mut random = Random(4);
+        let mut draw = |count: usize| (0..count).map(|_| random.normal() as f32).collect::<Vec<f32>>();
+        for k in 0..40 {
+            let (a, b) = (draw(k), draw(k));
+            assert!(close(dot(&a, &b).into(), a.iter().zip(&b).map(|(a, b)| f64::from(*a) * f64::from(*b))), "{k}");
+        }
+        for (run, directions, lights) in [(0, 5, 1), (1, 1, 1), (3, 64, 2), (9, 65, 3), (17, 200, 1)] {
+            let (tile, planes) = (draw(run * directions), draw(lights * directions));
+            let mut sums = vec![1.0; lights * run];
+            project(&tile, run, &planes, &mut sums);
+            for (at, sum) in sums.iter().enumerate() {
+                let (light, j) = (at / run, at % run);
+                let term = |d: usize| f64::from(planes[light * directions + d]) * f64::from(tile[d * run + j]);
+                assert!(close(sum - 1.0, (0..directions).map(term)), "{run} x {directions} x {lights}");
+            }
+        }
+    }
+}

@@ -146,6 +146,20 @@ fn steps_that_are_none_are_as_fine_as_sixteen_bits_allow() {
 }
 
 #[test]
+fn coarse_steps_at_either_end_of_single_precision_are_kept() {
+    // The nearest step of the largest number there is can lie beyond it.
+    for eighth_bits in 0..256 {
+        let step = 2f64.powi(113) * (1.0 + f64::from(eighth_bits) / 256.0);
+        let numbers = Numbers::store_coarse(&[f32::MAX, -f32::MAX], &[step], std::iter::repeat(0));
+        let [upper, lower] = numbers.decode(std::iter::repeat(0))[..] else { panic!("two numbers") };
+        assert!(upper.is_finite() && f64::from(f32::MAX) - f64::from(upper) < step && lower == -upper, "{step:e}");
+    }
+    // 3.7 of the least number there is.
+    let numbers = Numbers::store_coarse(&[2f32.powi(-145)], &[3.7 * 2f64.powi(-149)], std::iter::repeat(0));
+    assert_eq!((numbers.scale(0), numbers.stored(0)), (f32::from_bits(3), 5.0));
+}
+
+#[test]
 fn products_that_overflow_are_refused() {
     let read = |codes: &[i16], scale: f32| {
         let mut sink = Sink::new();
