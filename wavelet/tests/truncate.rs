@@ -152,7 +152,7 @@ proptest! {
     }
 }
 
-/// Magnitudes of 0.01 to 1, most of them small, all different, none of which 8 bits round to zero.
+/// Magnitudes of 0.01 to 1, most of them small, some of the smallest equal, none of which 8 bits round to zero.
 fn many_rows() -> Vec<f32> {
     let signs = [1.0, -1.0, -1.0];
     (0..1100 * 7).map(|i| signs[i % 3] * (0.01 + 0.99 * (((i * 3571) % 7700) as f32 / 7700.0).powi(3))).collect()

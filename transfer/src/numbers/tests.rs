@@ -148,8 +148,8 @@ fn steps_that_are_none_are_as_fine_as_sixteen_bits_allow() {
 #[test]
 fn coarse_steps_at_either_end_of_single_precision_are_kept() {
     // The nearest step of the largest number there is can lie beyond it.
-    for eighth_bits in 0..256 {
-        let step = 2f64.powi(113) * (1.0 + f64::from(eighth_bits) / 256.0);
+    for part in 0..256 {
+        let step = 2f64.powi(113) * (1.0 + f64::from(part) / 256.0);
         let numbers = Numbers::store_coarse(&[f32::MAX, -f32::MAX], &[step], std::iter::repeat(0));
         let [upper, lower] = numbers.decode(std::iter::repeat(0))[..] else { panic!("two numbers") };
         assert!(upper.is_finite() && f64::from(f32::MAX) - f64::from(upper) < step && lower == -upper, "{step:e}");
