@@ -165,6 +165,15 @@ fn operations_are_those_of_the_formula() {
     let model = Model { shape, clusters: vec![mean], members: vec![0; 4], weights: vec![1.0, -1.0, 0.5, 1.0] };
     let flops = EncodedCpca::store(&model, Width::F32, Width::F32).flops(&[1.0; 3]);
     assert_eq!([flops.multiplications, flops.by_one], [12 + 8, 6 + 6]);
+    // Of halves those are that have the power of two at or below the largest magnitude of their vector; the mean's scale is 1, too.
+    let clusters = vec![Cluster { mean: vec![1.5, 1.0, -1.0, 0.5, 0.0, 1.0], components: vec![-0.25; 6] }];
+    let halves = Model { clusters, ..model };
+    let flops = EncodedCpca::store(&halves, Width::F32, Width::F16).flops(&[1.0; 3]);
+    assert_eq!([flops.multiplications, flops.by_one], [12 + 8 + 4, 3 + 6 + 2 + 6]);
+    // Of whole numbers those are that half the range is: 2^14 steps of 2^-14.
+    let clusters = vec![Cluster { mean: vec![32767.0, 16384.0, -16384.0, 1.0, 2.0, -1.0], components: vec![0.0; 6] }];
+    let codes = Model { clusters, ..halves };
+    assert_eq!(EncodedCpca::store(&codes, Width::F32, Width::I16).flops(&[1.0; 3]).by_one, 2 + 6);
 }
 
 #[test]

@@ -62,7 +62,6 @@ fn products<C: Count>(encoded: &EncodedSlf, lights: ArrayView2<f32>, count: &mut
     let mut views = vec![0f32; layout.clusters() * columns * run];
     count.multiply_add(numbers.len());
     count.factors((0..numbers.len()).map(|at| numbers.stored(at) * unit));
-    let scales = (numbers.scales().is_some(), encoded.surface.scales().is_some());
     views.par_chunks_mut((columns * run).max(1)).enumerate().for_each_init(Vec::new, |buffer, (cluster, out)| {
         let own = numbers.unpack(cluster * tile..(cluster + 1) * tile, 0, buffer);
         let mut sums = vec![0f64; out.len()];
@@ -74,18 +73,27 @@ fn products<C: Count>(encoded: &EncodedSlf, lights: ArrayView2<f32>, count: &mut
             *y = (sum * weight * (view / f64::from(unit))) as f32;
         }
     });
-    count_scales(encoded, scales, count);
+    count_scales(encoded, count);
     Products { views, means: sums_of_lights(encoded, lights, count) }
 }
 
-/// Multiplications by scales, one light.
-fn count_scales<C: Count>(encoded: &EncodedSlf, (of_views, of_surface): (bool, bool), count: &mut C) {
-    let vectors = encoded.layout.view_vectors();
-    if of_views || of_surface {
-        count.multiply(vectors);
+/// Multiplications by scales, one light: by those of the view maps and of the weights, which are multiplied first where there are both.
+fn count_scales<C: Count>(encoded: &EncodedSlf, count: &mut C) {
+    let (layout, unit) = (&encoded.layout, f64::from(encoded.views.unit()));
+    let [of_surface, of_views] = [&encoded.surface, &encoded.views].map(|numbers| numbers.scales().is_some());
+    if !of_views && !of_surface {
+        return;
     }
-    if of_views && of_surface {
-        count.multiply(vectors);
+    for cluster in 0..layout.clusters() {
+        for i in 0..layout.run() {
+            let [weight, view] = encoded.scales(cluster, i / layout.components, i % layout.components);
+            if of_views && of_surface {
+                count.multiply(1);
+                count.factors(std::iter::once(weight as f32));
+            }
+            count.multiply(1);
+            count.factors(std::iter::once((weight * (view / unit)) as f32));
+        }
     }
 }
 
@@ -94,7 +102,7 @@ fn sums_of_lights<C: Count>(encoded: &EncodedSlf, lights: ArrayView2<f32>, count
     let sum = |column: ndarray::ArrayView1<f32>| column.iter().map(|x| f64::from(*x)).sum::<f64>();
     let sums: Vec<f64> = lights.columns().into_iter().map(sum).collect();
     count.add(lights.nrows());
-    let (layout, scaled) = (&encoded.layout, encoded.means.scales().is_some());
+    let layout = &encoded.layout;
     let mut means = Vec::with_capacity(layout.mean_vectors() * sums.len());
     for cluster in 0..layout.clusters() {
         for sum in &sums {
@@ -102,8 +110,9 @@ fn sums_of_lights<C: Count>(encoded: &EncodedSlf, lights: ArrayView2<f32>, count
             means.extend((0..layout.channels()).map(|place| (sum * f64::from(of_channel(place))) as f32));
         }
     }
-    if scaled {
-        count.multiply(layout.mean_vectors());
+    if let Some(scales) = encoded.means.scales() {
+        count.multiply(scales.len());
+        count.factors(scales.iter().copied());
     }
     means
 }
