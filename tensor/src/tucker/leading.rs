@@ -6,10 +6,17 @@ use super::unfold::{Element, Unfolding, standard};
 use ndarray::{Array2, ArrayView2, s};
 use prt_transfer::{Progress, Result, linalg};
 
-/// The smaller side of an unfolding up to which all eigenpairs of its Gram matrix are computed: 0.3 s at 1024, growing by the cube.
-const DIRECT: usize = 1024;
-/// The smaller side up to which its Gram matrix is computed: 0.1 GB, and as much for each of two partial sums.
-const GRAM: usize = 4096;
+/// Up to which smaller side of an unfolding what is computed.
+#[derive(Clone, Copy)]
+struct Sides {
+    /// All eigenpairs of its Gram matrix.
+    direct: usize,
+    /// That matrix.
+    gram: usize,
+}
+
+/// All eigenpairs take 0.3 s at 1024, growing by the cube; the Gram matrix takes 0.1 GB at 4096, and as much for each of two partial sums.
+const SIDES: Sides = Sides { direct: 1024, gram: 4096 };
 /// The smaller side, in blocks, from which iterating is tried: it is twice as fast as all eigenpairs or more where spectra
 /// decay, and in vain where they are flat.
 const BLOCKS: usize = 16;
@@ -69,7 +76,7 @@ pub(super) fn leading<T: Element>(
     mode: usize,
     progress: &dyn Progress,
 ) -> Result<Leading> {
-    few(x, want, params, mode, progress)?.map_or_else(|| direct(x, want), Ok)
+    few(x, want, params, mode, SIDES, progress)?.map_or_else(|| direct(x, want), Ok)
 }
 
 /// The vectors wanted, by all eigenpairs of the smaller Gram matrix or, where it is large, by iterating, which asks before each product
@@ -79,15 +86,16 @@ fn few<T: Element>(
     want: Want,
     params: &TuckerParams,
     mode: usize,
+    sides: Sides,
     progress: &dyn Progress,
 ) -> Result<Option<Leading>> {
     let smaller = x.rows().min(x.columns());
     let block = if want.is_open() { FIRST } else { want.rank + params.oversampling };
-    if smaller <= DIRECT || BLOCKS * block > smaller {
+    if smaller <= sides.direct || BLOCKS * block > smaller {
         return direct(x, want).map(Some);
     }
     let seed = seed(params, mode);
-    if smaller > GRAM {
+    if smaller > sides.gram {
         let apply = |q: ArrayView2<f64>| progress.advance(0).map(|()| x.gram_times(q));
         let g = Operator { size: x.rows(), energy: x.energy(), apply: &apply };
         let leading = krylov::leading(&g, want, block, smaller / 2, seed)?;
@@ -106,10 +114,19 @@ fn few<T: Element>(
 /// As few right singular vectors of a matrix (orthonormal rows, one at least) as leave out no more than a part of its energy; `None` where they
 /// would be more than half of many.
 pub(crate) fn leading_rows(matrix: ArrayView2<f32>, part: f64, progress: &dyn Progress) -> Result<Option<Array2<f64>>> {
+    leading_rows_within(matrix, part, SIDES, progress)
+}
+
+fn leading_rows_within(
+    matrix: ArrayView2<f32>,
+    part: f64,
+    sides: Sides,
+    progress: &dyn Progress,
+) -> Result<Option<Array2<f64>>> {
     let x = matrix.into_dyn();
     let x = Unfolding::new(&x, 1);
     let want = Want { rank: usize::MAX, tail: part * x.energy() };
-    let leading = few(&x, want, &TuckerParams::default(), 1, progress)?;
+    let leading = few(&x, want, &TuckerParams::default(), 1, sides, progress)?;
     Ok(leading.map(|leading| standard(leading.vectors.t())))
 }
 
@@ -172,28 +189,53 @@ mod tests {
     use prt_transfer::progress::Quiet;
     use prt_transfer::random::Random;
 
+    /// A matrix with these singular values.
+    fn matrix([m, n]: [usize; 2], values: &[f64], random: &mut Random) -> Array2<f32> {
+        let [u, v] = [m, n].map(|size| Array2::from_shape_simple_fn((size, values.len()), || random.normal()));
+        let [u, v] = [linalg::orthonormal_columns(u.view()), linalg::orthonormal_columns(v.view())];
+        let scaled = Array2::from_shape_fn((m, values.len()), |(i, j)| u[[i, j]] * values[j]);
+        scaled.dot(&v.t()).mapv(|x| x as f32)
+    }
+
     #[test]
     fn leading_rows_leave_out_no_more_than_their_part_and_one_fewer_would() {
         let mut random = Random(5);
-        // Singular values that fall by a tenth; the larger one is iterated.
-        for (m, n, rank) in [(60, 40, 30), (30, 200, 30), (1100, 1050, 60)] {
-            let [u, v] = [m, n].map(|size| Array2::from_shape_simple_fn((size, rank), || random.normal()));
-            let [u, v] = [linalg::orthonormal_columns(u.view()), linalg::orthonormal_columns(v.view())];
-            let value = |i: i32| 0.9f64.powi(i);
-            let scaled = Array2::from_shape_fn((m, rank), |(i, j)| u[[i, j]] * value(j as i32));
-            let matrix = scaled.dot(&v.t()).mapv(|x| x as f32);
+        // All eigenpairs of either Gram matrix, iterating with either, and with none.
+        let [gram, none] = [Sides { direct: 0, gram: 4096 }, Sides { direct: 0, gram: 0 }];
+        for (size, rank, sides) in [
+            ([60, 40], 30, SIDES),
+            ([30, 200], 30, SIDES),
+            ([1100, 1050], 60, SIDES),
+            ([600, 520], 60, gram),
+            ([520, 600], 60, gram),
+            ([600, 520], 60, none),
+            ([520, 600], 60, none),
+        ] {
+            let values: Vec<f64> = (0..rank).map(|i| 0.9f64.powi(i)).collect();
+            let matrix = matrix(size, &values, &mut random);
             let all: f64 = matrix.iter().map(|x| f64::from(*x).powi(2)).sum();
             for part in [0.3, 0.01] {
-                let rows = leading_rows(matrix.view(), part, &Quiet).unwrap().unwrap();
+                let rows = leading_rows_within(matrix.view(), part, sides, &Quiet).unwrap().unwrap();
                 let eye = Array2::<f64>::eye(rows.nrows());
-                assert!((rows.dot(&rows.t()) - eye).iter().all(|d| d.abs() <= 1e-12), "{m} x {n}");
+                assert!((rows.dot(&rows.t()) - eye).iter().all(|d| d.abs() <= 1e-12), "{size:?}");
                 let wide = matrix.mapv(f64::from);
                 let left = (&wide - wide.dot(&rows.t()).dot(&rows)).iter().map(|d| d * d).sum::<f64>();
-                let best = |k: usize| (k..rank).map(|i| value(i as i32).powi(2)).sum::<f64>();
-                assert!(left <= part * all * (1.0 + 1e-6), "{m} x {n}: {left} of {all}");
-                assert!(best(rows.nrows() - 1) > part * all * (1.0 - 1e-6), "{m} x {n}: {} rows", rows.nrows());
+                let best = |k: usize| values[k..].iter().map(|v| v * v).sum::<f64>();
+                assert!(left <= part * all * (1.0 + 1e-6), "{size:?}: {left} of {all}");
+                assert!(best(rows.nrows() - 1) > part * all * (1.0 - 1e-6), "{size:?}: {} rows", rows.nrows());
             }
         }
         assert_eq!(leading_rows(Array2::zeros((3, 4)).view(), 0.1, &Quiet).unwrap().unwrap().dim(), (1, 4));
+    }
+
+    #[test]
+    fn flat_spectra_have_all_their_rows_where_a_gram_matrix_is_there_and_none_where_it_is_not() {
+        let values = [1.0; 520];
+        for size in [[600, 520], [520, 600]] {
+            let matrix = matrix(size, &values, &mut Random(6));
+            let rows = |sides| leading_rows_within(matrix.view(), 0.1, sides, &Quiet).unwrap().map(|rows| rows.nrows());
+            assert_eq!(rows(Sides { direct: 0, gram: 4096 }), Some(468), "{size:?}");
+            assert_eq!(rows(Sides { direct: 0, gram: 0 }), None, "{size:?}");
+        }
     }
 }
