@@ -47,6 +47,8 @@ fn models() -> Vec<Model> {
         model([70, 2, 40], None, &uneven, 3, &mut number),
         model([65, 5, 7], Some(5), &uneven, 6, &mut number),
         model([6, 40, 3], Some(33), &[[2, 3], [1, 1]], 1, &mut number),
+        // As many columns as samples: to them the view basis costs the same, and the columns are wider then.
+        model([6, 40, 3], Some(33), &[[2, 2]; 3], 1, &mut number),
         model([1, 1, 1], None, &[[1, 1]], 1, &mut number),
         model([4, 2, 3], None, &[[0, 0]], 1, &mut number),
         model([3, 2, 0], None, &[[0, 0], [0, 0]], 1, &mut number),
