@@ -139,7 +139,8 @@ fn an_infinite_coefficient_reaches_only_the_rows_that_have_its_column() {
             unsafe { sparse_rows(&self.0, &self.1, &self.2, x, out) }
         }
     }
-    let rows = Rows((1..=20).collect(), (0..20).map(|r| r % 2).collect(), vec![1.0; 20]);
+    // Eight elements more than the rows have, so that the vector kernel takes them.
+    let rows = Rows((1..=20).collect(), (0..28).map(|r| r % 2).collect(), vec![1.0; 28]);
     let shape = Shape::new(20, 1, 2).unwrap();
     for channels in [1, 3] {
         let lights = ndarray::Array2::from_shape_fn((2, channels), |(k, _)| [3.0, f32::INFINITY][k]);
