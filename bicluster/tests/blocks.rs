@@ -104,3 +104,35 @@ fn more_lights_than_two_bytes_count_are_exact() {
         assert_exact(&compressed, &matrix, &format!("{levels:?}"));
     }
 }
+
+#[test]
+fn a_section_of_one_number_too_many_or_too_few_is_refused() {
+    let matrix = windows(3000, 400, 1);
+    let registry = Registry::new().transform::<Identity>().codec::<Bicluster>();
+    for levels in [Levels::One, Levels::Two] {
+        let compressed = encode(levels, &matrix);
+        let sections = compressed.sections().into_sections();
+        let restored = |sections| registry.restore(&compressed.header(), sections);
+        assert!(restored(sections.clone()).is_ok(), "{levels:?}");
+        let widths = [
+            ("index/slots", 4),
+            ("index/blocks", 4),
+            ("weights/factors", 4),
+            ("index/runs", 4),
+            ("index/columns", 2),
+            ("index/arities", 2),
+            ("index/inputs", 2),
+            ("index/groups", 4),
+            ("index/terms", 2),
+        ];
+        for (name, width) in widths {
+            let at = sections.iter().position(|s| s.name == name);
+            let at = at.unwrap_or_else(|| panic!("{levels:?}: no {name}"));
+            let [mut more, mut fewer] = [sections.clone(), sections.clone()];
+            more[at].bytes.extend(vec![0; width]);
+            let length = fewer[at].bytes.len() - width;
+            fewer[at].bytes.truncate(length);
+            assert!(restored(more).is_err() && restored(fewer).is_err(), "{levels:?} {name}");
+        }
+    }
+}
