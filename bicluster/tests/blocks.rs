@@ -45,14 +45,15 @@ fn numbers(sections: &[Section], name: &str, width: usize) -> Vec<u32> {
 fn assert_exact(compressed: &Compressed, matrix: &TransferMatrix, what: &str) {
     let lights = matrix.lights();
     let (mut row, mut expected) = (vec![0f32; lights], vec![0f32; lights]);
-    for r in (0..matrix.rows()).step_by(1 + lights / 1000) {
+    for r in (0..matrix.rows()).step_by(1 + lights / 10_000) {
         compressed.row_into(r, &mut row);
         matrix.gather(r, &mut expected);
         assert!(row == expected, "{what}: row {r}");
     }
     for channels in [1, 3] {
         // Multiples of 2^-8 below 2^6: sums of a row are exact.
-        let light = Array2::from_shape_fn((lights, channels), |(k, c)| ((k * 37 + c * 1001) % 16384) as f32 / 256.0);
+        let coefficient = |(k, c): (usize, usize)| ((k * 37 + k / 65_536 * 5 + c * 1001) % 16_384) as f32 / 256.0;
+        let light = Array2::from_shape_fn((lights, channels), coefficient);
         let (mut y, mut expected) =
             (Array2::zeros((matrix.rows(), channels)), Array2::zeros((matrix.rows(), channels)));
         compressed.apply_into(light.view(), y.view_mut()).unwrap();
@@ -72,17 +73,20 @@ fn several_blocks_are_exact_and_cost_what_their_sections_say() {
         assert_exact(&compressed, &matrix, &format!("{levels:?}"));
         // A multiplication for each leaf whose factor is not 1.
         let (factors, ends) = (numbers(&sections, "weights/factors", 4), numbers(&sections, "index/runs", 4));
-        let (mut first, mut scaled, mut negative) = (0, 0, 0);
+        let (mut first, mut all, mut scaled, mut negative) = (0, 0, 0, 0);
         for block in blocks.chunks(3) {
             let mut leaf = 0;
             for run in first..first + block[0] as usize {
                 let leaves = u64::from(ends[run] - std::mem::replace(&mut leaf, ends[run]));
                 let factor = f32::from_bits(factors[run]);
+                all += leaves;
                 scaled += if factor == 1.0 { 0 } else { leaves };
                 negative += if factor == -1.0 { leaves } else { 0 };
             }
             first += block[0] as usize;
         }
+        let columns = sections.iter().find(|s| s.name == "index/columns").unwrap();
+        assert_eq!(columns.bytes.len() as u64, 2 * all, "{levels:?}: two bytes a leaf");
         // One addition less than terms for each sum and each row.
         let sums: u32 = blocks.chunks(3).map(|block| block[1]).sum();
         let rows: u32 = numbers(&sections, "index/groups", 4).chunks(2).map(|g| (g[0] - 1) * g[1]).sum();
