@@ -32,3 +32,74 @@ pub fn local_directions(edge: usize) -> Vec<[f32; 3]> {
         .map(|(x, y)| equal_area_hemisphere(x, y))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Places in the square off its diagonals.
+    fn places() -> impl Iterator<Item = (f32, f32)> {
+        let at = |i: i32| (2 * i + 1) as f32 / 32.0;
+        (-16..16).flat_map(move |i| (-16..16).map(move |j| (at(i), at(j)))).filter(|(u, v)| u.abs() != v.abs())
+    }
+
+    #[test]
+    fn squares_become_circles_turn_with_them_and_keep_their_area() {
+        for (u, v) in places() {
+            let (x, y) = concentric_disk(u, v);
+            assert!((x.hypot(y) - u.abs().max(v.abs())).abs() < 1e-6, "{u} {v}: radius {}", x.hypot(y));
+            // A quarter turn and a reflection.
+            let [turned, mirrored] = [concentric_disk(-v, u), concentric_disk(u, -v)];
+            for ([a, b], [c, d]) in [([turned.0, turned.1], [-y, x]), ([mirrored.0, mirrored.1], [x, -y])] {
+                assert!((a - c).abs() < 1e-6 && (b - d).abs() < 1e-6, "{u} {v}");
+            }
+            // The determinant of the map is that of the square onto the disk, 4 onto π.
+            let step = 1.0 / 64.0;
+            let slope = |[du, dv]: [f32; 2]| {
+                let [ahead, behind] = [1.0, -1.0].map(|s| concentric_disk(u + s * du, v + s * dv));
+                [(ahead.0 - behind.0) / (2.0 * step), (ahead.1 - behind.1) / (2.0 * step)]
+            };
+            let ([a, b], [c, d]) = (slope([step, 0.0]), slope([0.0, step]));
+            assert!((a * d - b * c - FRAC_PI_4).abs() < 0.02, "{u} {v}: {}", a * d - b * c);
+        }
+        assert_eq!(concentric_disk(0.0, 0.0), (0.0, 0.0));
+        assert_eq!(concentric_disk(1.0, 0.0), (1.0, 0.0));
+    }
+
+    #[test]
+    fn heights_are_those_of_equal_area_and_directions_are_of_unit_length() {
+        for (u, v) in places() {
+            let (x, y) = concentric_disk(u, v);
+            let [a, b, z] = equal_area_hemisphere(x, y);
+            // The cap above z has the area 2π (1 - z), of 2π, as the disk within r has π r² of π.
+            assert!((z - (1.0 - x * x - y * y)).abs() < 1e-6 && (a * a + b * b + z * z - 1.0).abs() < 1e-6);
+            assert!((a * y - b * x).abs() < 1e-6 && a * x + b * y >= 0.0, "{u} {v}: another azimuth");
+        }
+        assert_eq!(equal_area_hemisphere(0.0, 0.0), [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn cells_are_in_rows_and_their_moments_are_those_of_the_hemisphere() {
+        for edge in [1, 2, 7, 64] {
+            let directions = local_directions(edge);
+            assert_eq!(directions.len(), edge * edge);
+            let centre = |i: usize| (2 * i + 1) as f32 / edge as f32 - 1.0;
+            for (k, d) in directions.iter().enumerate() {
+                let (x, y) = concentric_disk(centre(k % edge), centre(k / edge));
+                assert_eq!(*d, equal_area_hemisphere(x, y));
+            }
+        }
+        let directions = local_directions(64);
+        let mean = |f: fn(&[f32; 3]) -> f32| directions.iter().map(|d| f64::from(f(d))).sum::<f64>() / 4096.0;
+        for (found, exact) in [
+            (mean(|d| d[0]), 0.0),
+            (mean(|d| d[1]), 0.0),
+            (mean(|d| d[2]), 0.5),
+            (mean(|d| d[0] * d[0]), 1.0 / 3.0),
+            (mean(|d| d[1] * d[1]), 1.0 / 3.0),
+            (mean(|d| d[0] * d[1]), 0.0),
+        ] {
+            assert!((found - exact).abs() < 1e-3, "{found} for {exact}");
+        }
+    }
+}
