@@ -78,6 +78,14 @@ mod tests {
     }
 
     #[test]
+    fn what_is_below_normal_numbers_is_zero() {
+        assert!((exponential(UNDERFLOW) / UNDERFLOW.exp() - 1.0).abs() < 1e-13);
+        for x in [UNDERFLOW * (1.0 + f64::EPSILON), -746.0, -1e5, f64::MIN, f64::NEG_INFINITY] {
+            assert_eq!(exponential(x), 0.0, "{x}");
+        }
+    }
+
+    #[test]
     fn every_number_of_a_row_is_replaced() {
         let cosines: Vec<f64> = (0..37).map(|i| 1.0 - i as f64 / 18.0).collect();
         for bandwidth in [0.01, 3.0, 1e5] {
