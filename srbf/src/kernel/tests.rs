@@ -176,3 +176,15 @@ fn legendre_coefficients_add_up_to_the_kernel() {
         assert!(coefficients.iter().zip(&more).all(|(a, b)| (a - b).abs() <= 1e-14), "{b}");
     }
 }
+
+#[test]
+fn the_mean_of_a_lobe_is_its_continued_fraction_at_every_width() {
+    // coth x - 1/x = x/(3 + x²/(5 + x²/(7 + …))).
+    let fraction = |x: f64| {
+        x / (1..60).rev().fold(0.0, |rest, k| f64::from(2 * k + 1) + if rest == 0.0 { 0.0 } else { x * x / rest })
+    };
+    for i in -90..=20 {
+        let x = 1.25f64.powi(i);
+        assert!((langevin(x) / fraction(x) - 1.0).abs() < 2e-12, "{x}: {} {}", langevin(x), fraction(x));
+    }
+}
