@@ -171,9 +171,12 @@ fn legendre_coefficients_add_up_to_the_kernel() {
         assert!(coefficients.iter().all(|c| *c >= 0.0));
         let sum: f64 = coefficients.iter().sum();
         assert!((sum - 1.0).abs() < 1e-12, "{b}: {sum}");
-        // More of them leave the first ones as they were.
-        let more = gaussian(b, count + 31);
-        assert!(coefficients.iter().zip(&more).all(|(a, b)| (a - b).abs() <= 1e-14), "{b}");
+        // More of them leave the first ones as they were, also where their ratios leave the range of numbers.
+        for count in [count + 31, count + 1000] {
+            let more = gaussian(b, count);
+            assert!(coefficients.iter().zip(&more).all(|(a, b)| (a - b).abs() <= 1e-14), "{b}");
+            assert!((more.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{b}: {count}");
+        }
     }
 }
 
