@@ -303,6 +303,9 @@ mod tests {
         let mut narrow = Array2::zeros((7, 5));
         times_transposed(single(&a).view(), single(&b).view(), narrow.view_mut());
         close(&narrow.mapv(f64::from), &out, 1e-5);
+        let mut narrow = Array2::zeros((7, 12));
+        times_single(single(&matrix(7, 5)).view(), single(&b).view(), narrow.view_mut());
+        close(&narrow.mapv(f64::from), &matrix(7, 5).dot(&b), 1e-5);
         let mut out = Array2::zeros((7, 12));
         times(matrix(7, 5).view(), b.view(), out.view_mut());
         close(&out, &matrix(7, 5).dot(&b), 1e-13);

@@ -191,3 +191,22 @@ fn the_mean_of_a_lobe_is_its_continued_fraction_at_every_width() {
         assert!((langevin(x) / fraction(x) - 1.0).abs() < 2e-12, "{x}: {} {}", langevin(x), fraction(x));
     }
 }
+
+#[test]
+fn rows_of_cosines_become_the_kernel_there() {
+    for kernel in [Kernel::Gaussian, Kernel::AbelPoisson] {
+        let [low, high] = kernel.bandwidths();
+        for bandwidth in [low, 0.5, 0.9, high] {
+            let cosines: Vec<f64> = (0..=100).map(|i| f64::from(i) / 50.0 - 1.0).collect();
+            let mut row = cosines.clone();
+            kernel.values(&mut row, bandwidth);
+            for (found, &mu) in row.iter().zip(&cosines) {
+                let value = kernel.value(mu, bandwidth);
+                assert!(
+                    (found - value).abs() <= 1e-13 * value + f64::MIN_POSITIVE,
+                    "{mu} {bandwidth}: {found} {value}"
+                );
+            }
+        }
+    }
+}
