@@ -46,9 +46,9 @@ fn operations_are_those_of_the_formula_and_factors_of_one_are_known() {
             // View maps meet the light first, times a power of two where they are 16 bits wide.
             let of_views = fill("basis/views", views, if views == Width::F32 { 1.0 } else { UNIT });
             let [of_surface, of_means] = ["weights/surface", "weights/mean"].map(|name| fill(name, surface, 1.0));
-            // Scales that bring what is stored to numbers around 1.
+            // Scales of which the product is 1 where weights and view maps have both, and only then.
             for (name, unit) in
-                [("basis/views-scales", UNIT), ("weights/surface-scales", 1.0), ("weights/mean-scales", 1.0)]
+                [("basis/views-scales", 0.5 * UNIT), ("weights/surface-scales", 2.0), ("weights/mean-scales", 1.0)]
             {
                 if let Some(section) = sections.iter_mut().find(|s| s.name == name) {
                     let count = section.bytes.len() / 4;
@@ -66,7 +66,8 @@ fn operations_are_those_of_the_formula_and_factors_of_one_are_known() {
             // A weight that channels share is a factor in each.
             let uses = if colour == Colour::Joint { 3 } else { 1 };
             assert!(of_views > 0 && of_surface > 0 && of_means > 0);
-            assert_eq!(by_one, of_views + uses * of_surface + of_means + scales, "{what}");
+            let of_scales = tiles * (k * of_weights * of_components + of_weights);
+            assert_eq!(by_one, of_views + uses * of_surface + of_means + of_scales, "{what}");
         }
     }
 }
