@@ -10,22 +10,39 @@ use prt_transfer::io::prt;
 use prt_transfer::sections::Section;
 use prt_transfer::{Compressed, Label, Quiet, Registry, Restore, Source, TransferMatrix};
 use rand::RngExt;
+use rayon::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::LazyLock;
+
+static CASES: LazyLock<Vec<Case>> = LazyLock::new(cases);
+
+/// The bytes of a file, and what is in it.
+type File = (&'static Case, Vec<u8>);
+
+/// For every label the files of all cases that it is defined on: encoded once for all laws.
+static FILES: LazyLock<Vec<(Label, Vec<File>)>> = LazyLock::new(|| {
+    let registry = registry();
+    let files = |label: Label| {
+        let file = |case| {
+            let (_, compressed) = encode_where_defined(&registry, &label, case)?;
+            Some((case, prt::to_bytes(&compressed, &Quiet).unwrap()))
+        };
+        let files: Vec<_> = CASES.iter().filter_map(file).collect();
+        assert!(files.len() >= 10, "{label} is defined on {} cases only", files.len());
+        (label, files)
+    };
+    labels(&registry).into_par_iter().map(files).collect()
+});
 
 /// Runs `law` on every label and every case that the label is defined on, after a round trip through a file's bytes.
 fn for_every_method(mut law: impl FnMut(&Registry, &Label, &Case, &Compressed)) {
     let registry = registry();
-    for label in labels(&registry) {
-        let mut tried = 0;
-        for case in cases() {
-            if let Some((_, compressed)) = encode_where_defined(&registry, &label, &case) {
-                let reloaded = prt::from_bytes(&prt::to_bytes(&compressed, &Quiet).unwrap(), &registry)
-                    .unwrap_or_else(|e| panic!("{label} on {}: {e}", case.name));
-                law(&registry, &label, &case, &reloaded);
-                tried += 1;
-            }
+    for (label, files) in FILES.iter() {
+        for (case, bytes) in files {
+            let reloaded =
+                prt::from_bytes(bytes, &registry).unwrap_or_else(|e| panic!("{label} on {}: {e}", case.name));
+            law(&registry, label, case, &reloaded);
         }
-        assert!(tried >= 10, "{label} is defined on {tried} cases only");
     }
 }
 
