@@ -1,9 +1,11 @@
 //! Matrices of more than one block, and of more lights than two bytes count.
 
+mod common;
+
+use common::{encode, registry, reloaded};
 use ndarray::Array2;
-use prt_bicluster::{Bicluster, BiclusterParams, Levels};
-use prt_transfer::transform::{Identity, IdentityParams};
-use prt_transfer::{Compressed, Configure, Flops, LightBasis, Method, Quiet, Registry, Section, TransferMatrix};
+use prt_bicluster::{BiclusterParams, Levels};
+use prt_transfer::{Compressed, Flops, LightBasis, Section, TransferMatrix};
 
 /// Rows of windows whose places and lengths all differ, their ends half seen, every seventh of other signs: `between` apart.
 fn windows(rows: usize, lights: usize, between: usize) -> TransferMatrix {
@@ -26,12 +28,10 @@ fn windows(rows: usize, lights: usize, between: usize) -> TransferMatrix {
     TransferMatrix::from_csr(offsets, columns, values, 1, LightBasis::Plain { lights }).unwrap()
 }
 
-fn encode(levels: Levels, matrix: &TransferMatrix) -> Compressed {
-    let bicluster = Bicluster::new(BiclusterParams { levels, ..Default::default() }).unwrap();
-    let identity = Identity::new(IdentityParams {}).unwrap();
-    let compressed = Method::new(identity, bicluster).encode(matrix, &Quiet).unwrap();
-    let registry = Registry::new().transform::<Identity>().codec::<Bicluster>();
-    let reloaded = registry.restore(&compressed.header(), compressed.sections().into_sections()).unwrap();
+/// As a file gives it back.
+fn through_file(levels: Levels, matrix: &TransferMatrix) -> Compressed {
+    let compressed = encode(BiclusterParams { levels, ..Default::default() }, matrix);
+    let reloaded = reloaded(&compressed);
     assert!(reloaded.held().into_sections() == compressed.held().into_sections(), "{levels:?}");
     reloaded
 }
@@ -66,7 +66,7 @@ fn assert_exact(compressed: &Compressed, matrix: &TransferMatrix, what: &str) {
 fn several_blocks_are_exact_and_cost_what_their_sections_say() {
     let matrix = windows(9000, 400, 1);
     for levels in [Levels::One, Levels::Two, Levels::All] {
-        let compressed = encode(levels, &matrix);
+        let compressed = through_file(levels, &matrix);
         let sections = compressed.held().into_sections();
         let blocks = numbers(&sections, "index/blocks", 4);
         assert!(blocks.len() > 3, "{levels:?}: one block");
@@ -102,7 +102,7 @@ fn several_blocks_are_exact_and_cost_what_their_sections_say() {
 fn more_lights_than_two_bytes_count_are_exact() {
     let matrix = windows(1400, 70_000, 1000);
     for levels in [Levels::One, Levels::All] {
-        let compressed = encode(levels, &matrix);
+        let compressed = through_file(levels, &matrix);
         let sections = compressed.held().into_sections();
         assert!(numbers(&sections, "index/columns", 4).iter().any(|&c| c > u32::from(u16::MAX)), "{levels:?}");
         assert_exact(&compressed, &matrix, &format!("{levels:?}"));
@@ -112,9 +112,9 @@ fn more_lights_than_two_bytes_count_are_exact() {
 #[test]
 fn a_section_of_one_number_too_many_or_too_few_is_refused() {
     let matrix = windows(3000, 400, 1);
-    let registry = Registry::new().transform::<Identity>().codec::<Bicluster>();
+    let registry = registry();
     for levels in [Levels::One, Levels::Two] {
-        let compressed = encode(levels, &matrix);
+        let compressed = through_file(levels, &matrix);
         let sections = compressed.sections().into_sections();
         let restored = |sections| registry.restore(&compressed.header(), sections);
         assert!(restored(sections.clone()).is_ok(), "{levels:?}");

@@ -1,29 +1,13 @@
 //! What a user of the codec may rely on, on matrices of every kind.
 
+mod common;
+
+use common::{encode, identity, reloaded};
 use ndarray::Array2;
 use proptest::prelude::*;
 use prt_bicluster::{Bicluster, BiclusterParams, Levels, Objective, Seeds};
 use prt_transfer::compact::{Compact, CompactParams};
-use prt_transfer::transform::{Identity, IdentityParams};
-use prt_transfer::{Compressed, Configure, LightBasis, Method, Quiet, Registry, TransferMatrix};
-
-fn identity() -> Identity {
-    Identity::new(IdentityParams {}).unwrap()
-}
-
-fn method(params: BiclusterParams) -> Method {
-    Method::new(identity(), Bicluster::new(params).unwrap())
-}
-
-fn encode(params: BiclusterParams, matrix: &TransferMatrix) -> Compressed {
-    method(params).encode(matrix, &Quiet).unwrap()
-}
-
-/// What a file gives back.
-fn reloaded(compressed: &Compressed) -> Compressed {
-    let registry = Registry::new().transform::<Identity>().codec::<Bicluster>();
-    registry.restore(&compressed.header(), compressed.sections().into_sections()).unwrap()
-}
+use prt_transfer::{Compressed, Configure, LightBasis, Method, Quiet, TransferMatrix};
 
 fn rows(compressed: &Compressed) -> Vec<Vec<f32>> {
     let shape = compressed.shape();

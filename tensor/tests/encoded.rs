@@ -124,7 +124,7 @@ fn relighting_is_rows_times_light_for_any_channels_and_output() {
     });
 }
 
-/// Multiplications and additions of the documented formula, with what each number is a factor of: where the view basis is applied.
+/// Multiplications, and as many additions, of the documented formula; of those the ones by a weight and by a number of the view basis.
 fn formula(model: &Model) -> (u64, [usize; 2]) {
     let (shape, views, weights) = (model.shape, model.views(), model.weights.len());
     let ranks = || model.clusters.iter().map(|c| [c.light.nrows(), c.dual.nrows()]);
